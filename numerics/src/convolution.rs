@@ -19,7 +19,10 @@
 //! Rows may be displaced along x by parts of an element ([`Convolution::displace_rows`]).
 
 mod displaced;
+mod even;
 mod near_rows;
+
+pub use even::EvenSpectrum;
 
 use crate::fourier::{Complex, ComplexToReal, Fft, Real, RealToComplex};
 use crate::team::Team;
@@ -42,8 +45,6 @@ pub struct Spectrum<T = f64> {
     values: Vec<Complex<T>>,
     /// P_x P_y.
     size: f64,
-    /// Corrections between near rows, if rows are displaced.
-    near: Option<NearRows<T>>,
 }
 
 impl Spectrum {
@@ -57,7 +58,7 @@ impl Spectrum {
         let (len, size) = (spectra[0].values.len(), spectra[0].size);
         assert!(spectra.iter().all(|other| other.values.len() == len && other.size == size));
         let value = |at| function(spectra.map(|spectrum| spectrum.values[at] * size)) / size;
-        Self { values: (0..len).map(value).collect(), size, near: None }
+        Self { values: (0..len).map(value).collect(), size }
     }
 
     /// Maps a single spectrum wave by wave, like [`Spectrum::combine`].
@@ -70,8 +71,7 @@ impl Spectrum {
     #[must_use]
     pub fn rounded(&self, factor: f64) -> Spectrum<f32> {
         let values = self.values.iter().map(|value| single(value * factor)).collect();
-        let near = self.near.as_ref().map(|near| near.rounded(factor));
-        Spectrum { values, size: self.size, near }
+        Spectrum { values, size: self.size }
     }
 
     /// Returns the values Â(k, l), in unspecified order.
@@ -108,6 +108,8 @@ pub struct Convolution<T = f64> {
     columns: [Vec<Complex<T>>; 2],
     /// Phases of displaced rows.
     phases: Option<Phases<T>>,
+    /// Phases of the rows of an image, with the factors of its waves along x.
+    leaving: Option<Phases<T>>,
     team: Team<Workspace<T>>,
 }
 
@@ -120,6 +122,8 @@ struct Workspace<T> {
     rows: Vec<Complex<T>>,
     /// Up to BLOCK columns of P_y values, for each component.
     block: [Vec<Complex<T>>; 2],
+    /// The ny values of these columns before the transform, for each component.
+    entering: [Vec<Complex<T>>; 2],
 }
 
 impl<T> std::fmt::Debug for Convolution<T> {
@@ -181,6 +185,7 @@ impl<T: Real> Convolution<T> {
             scratch: zeros(scratch.into_iter().max().unwrap_or(0)),
             rows: zeros(BLOCK * columns),
             block: [block.clone(), block],
+            entering: [zeros(BLOCK * ny), zeros(BLOCK * ny)],
         };
         Self {
             nx,
@@ -194,6 +199,7 @@ impl<T: Real> Convolution<T> {
             rows: [half.clone(), half.clone()],
             columns: [half.clone(), half],
             phases: None,
+            leaving: None,
             team: Team::of_process(work),
         }
     }
@@ -222,7 +228,7 @@ impl<T: Real> Convolution<T> {
                 *value = *value * factor;
             }
         };
-        self.through([true, false], [true, false], multiply, [[Some(kernel), None], [None; 2]]);
+        self.through([true, false], [true, false], multiply, [[None; 2]; 2]);
         self.rows_out(0, output);
     }
 
@@ -240,7 +246,7 @@ impl<T: Real> Convolution<T> {
                 *x = a * *x + b * y;
             }
         };
-        self.through([true, true], [true, false], multiply, [kernels.map(Some), [None; 2]]);
+        self.through([true, true], [true, false], multiply, [[None; 2]; 2]);
         self.rows_out(0, output);
     }
 
@@ -259,7 +265,6 @@ impl<T: Real> Convolution<T> {
         self.check(&[kernel], &[input], &[]);
         assert_eq!(sum.values.len(), kernel.values.len(), "the sum is not of this grid");
         self.rows_in(0, input);
-        assert!(kernel.near.is_none(), "a sum has no corrections between near rows");
         let Self { rows, team, columns_forward, ny, padded_y, phases, .. } = self;
         let (ny, padded, len) = (*ny, *padded_y, rows[0].len() / *ny);
         let work = team.first();
@@ -314,8 +319,7 @@ impl<T: Real> Convolution<T> {
                 (*x, *y) = (xx * *x + xy * *y, yx * *x + yy * *y);
             }
         };
-        let kernels = kernels.map(|row| row.map(Some));
-        self.through([true, true], [true, true], multiply, kernels);
+        self.through([true, true], [true, true], multiply, [[None; 2]; 2]);
         self.rows_out(0, output_x);
         self.rows_out(1, output_y);
     }
@@ -362,18 +366,19 @@ impl<T: Real> Convolution<T> {
 
     /// Processes blocks of columns. Components marked in `into` are padded and transformed.
     /// `multiply` modifies them, given the range of their indices in a [`Spectrum`]. Components
-    /// marked in `out` are transformed back and cut. The corrections between near rows of
-    /// `kernels`, for each component that leaves, are added.
+    /// marked in `out` are transformed back and cut. Corrections between near rows, for each
+    /// component that leaves from each that enters, are added.
     fn through(
         &mut self,
         into: [bool; 2],
         out: [bool; 2],
         multiply: impl Fn(Range<usize>, [&mut [Complex<T>]; 2]) + Sync,
-        kernels: [[Option<&Spectrum<T>>; 2]; 2],
+        near: [[Option<&NearRows<T>>; 2]; 2],
     ) {
         let len = self.columns();
         let Self { ny, padded_y, columns_forward, columns_inverse, rows, columns, .. } = self;
-        let (phases, team) = (self.phases.as_ref(), &mut self.team);
+        let (phases, leaving) = (self.phases.as_ref(), self.leaving.as_ref());
+        let team = &mut self.team;
         let (ny, padded) = (*ny, *padded_y);
         let [along, across] = columns;
         let pieces = along.chunks_mut(BLOCK * ny).zip(across.chunks_mut(BLOCK * ny)).enumerate();
@@ -386,27 +391,31 @@ impl<T: Real> Convolution<T> {
             let mut blocks = [&mut x[..count * padded], &mut y[..count * padded]];
             for (component, block) in blocks.iter_mut().enumerate().filter(|(k, _)| into[*k]) {
                 gather(&rows[component], phases, [len, ny, padded], first, block);
+                if near.iter().any(|of| of[component].is_some()) {
+                    let columns = work.entering[component].chunks_exact_mut(ny);
+                    for (kept, column) in columns.zip(block.chunks_exact(padded)) {
+                        kept.copy_from_slice(&column[..ny]);
+                    }
+                }
                 columns_forward.process_with_scratch(block, &mut work.scratch);
             }
             let [x, y] = &mut blocks;
             multiply(first * padded..(first + count) * padded, [x, y]);
-            for ((block, kept), (_, kernels)) in blocks
+            for ((block, kept), (_, near)) in blocks
                 .iter_mut()
                 .zip([along, across])
-                .zip(out.iter().zip(kernels))
+                .zip(out.iter().zip(near))
                 .filter(|(_, (on, _))| **on)
             {
                 columns_inverse.process_with_scratch(block, &mut work.scratch);
                 for (column, kept) in block.chunks_exact(padded).zip(kept.chunks_exact_mut(ny)) {
                     kept.copy_from_slice(&column[..ny]);
                 }
-                if let Some(phases) = phases {
-                    phases.displace(len, first, kept);
+                for (near, entering) in near.iter().zip(&work.entering) {
+                    near.iter().for_each(|near| near.add(entering, first, kept));
                 }
-                for (kernel, rows) in kernels.iter().zip(rows.iter()) {
-                    if let Some(near) = kernel.and_then(|kernel| kernel.near.as_ref()) {
-                        near.add(rows, len, first, kept);
-                    }
+                if let Some(leaving) = leaving {
+                    leaving.displace(len, first, kept);
                 }
             }
             0
@@ -500,7 +509,7 @@ impl Convolution<f64> {
         columns_forward.process_with_scratch(&mut values, scratch);
         let size = (self.padded_x * self.padded_y) as f64;
         values.iter_mut().for_each(|value| *value /= size);
-        Spectrum { values, size, near: None }
+        Spectrum { values, size }
     }
 
     /// Returns a factor for every wave e^{2πi(ik/P_x + jl/P_y)}: `factor(k, l)`, called for 0 ≤ k ≤
@@ -514,7 +523,7 @@ impl Convolution<f64> {
             .flat_map(|column| lines().map(move |line| (column, line)))
             .map(|(column, line)| factor(column, line) / size)
             .collect();
-        Spectrum { values, size, near: None }
+        Spectrum { values, size }
     }
 }
 

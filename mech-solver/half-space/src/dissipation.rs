@@ -34,7 +34,7 @@ pub struct Dissipation {
 
 impl Dissipation {
     /// Builds the operators, with the flexibility of a layer [m/Pa]. `displacement` is the operator
-    /// of displaced rows. Returns `None` for the upwind difference, which has no dissipation.
+    /// of elastic bodies. Returns `None` for the upwind difference, which has no dissipation.
     #[must_use]
     pub fn new(
         difference: Difference,
@@ -54,8 +54,8 @@ impl Dissipation {
                 Coupling::new(&influence, grid.ni, grid.nj, Stencil::DISPLACEMENT)
             }
         });
-        let regular = || Displacement::new(bodies, layer, grid, counts);
-        let operator = displacement.unwrap_or_else(regular);
+        let with_memory = || Displacement::with_memory(bodies, layer, counts, sides);
+        let operator = displacement.unwrap_or_else(with_memory);
         Some(Self { nx: grid.ni, dx: grid.dx(), operator, coupling })
     }
 

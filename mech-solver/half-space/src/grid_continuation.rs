@@ -14,7 +14,6 @@
 use super::aligned::AlignedGrid;
 use super::difference::{Difference, Stencil};
 use super::dissipation::Dissipation;
-use super::influence::Influence;
 use super::slip_operator::{Accuracy, Displacement, RowInfluence, SlipOperator};
 use super::tangential::{
     BoundLaw, ElementState, Layer, NotConverged, PrescribedForces, PrescribedMotion, Problem,
@@ -142,13 +141,7 @@ impl Level {
         let stencil = motion.stencil(difference);
         let operator = match influence {
             Some(influence) => SlipOperator::of_rows(influence, stencil, a / dx),
-            None if bodies.remember() => {
-                SlipOperator::of_memory(&bodies, stencil, layer, [nx, ny], [dx, dy], a / dx)
-            }
-            None => {
-                let influence = Influence::of_grid(grid, bodies.instantaneous);
-                SlipOperator::new(&influence, stencil, layer, [nx, ny], a / dx)
-            }
+            None => SlipOperator::of_memory(&bodies, stencil, layer, [nx, ny], [dx, dy], a / dx),
         };
         let (distance, ahead) = match motion {
             Motion::Shift => (1.0, 0.0),
@@ -418,7 +411,10 @@ impl Levels {
     #[must_use]
     pub fn of_rows(rows: &AlignedGrid, contact: &Contact) -> Self {
         let Contact { bodies, layer, difference, .. } = contact;
-        let influence = RowInfluence::new(rows, bodies, *layer, Accuracy::Full);
+        let elastic = |rows: &AlignedGrid, accuracy| {
+            (!bodies.remember()).then(|| RowInfluence::new(rows, bodies, *layer, accuracy))
+        };
+        let influence = elastic(rows, Accuracy::Full);
         let mut levels = vec![Level::new(rows, contact, influence.as_ref())];
         let dissipation = match contact.motion {
             Motion::SteadyRolling | Motion::RollingStep => Dissipation::new(
@@ -436,7 +432,7 @@ impl Levels {
         let longest = |grid: &Structured| grid.ni.max(grid.nj);
         while coarsens && longest(rows.grid()) > COARSEST && !narrow(rows.grid()) {
             rows = rows.coarser();
-            let influence = RowInfluence::new(&rows, bodies, *layer, Accuracy::Start);
+            let influence = elastic(&rows, Accuracy::Start);
             levels.push(Level::new(&rows, contact, influence.as_ref()));
         }
         Self { contact: *contact, levels, dissipation }

@@ -21,10 +21,11 @@
 //! Source: E. H. Lee and J. R. M. Radok, J. Appl. Mech. 27 (1960) 438, for contacts that grow. The
 //! recursion is the exponential integration of the rate equation.
 
+use super::aligned::AlignedGrid;
 use super::coupling::Coupling;
 use super::difference::Stencil;
 use super::influence::Influence;
-use super::slip_operator::Displacement;
+use super::slip_operator::{Accuracy, Displacement, RowInfluence};
 use super::viscoelastic::Retardation;
 use elastic::Elasticity;
 use elastic::Material;
@@ -94,10 +95,11 @@ impl Flexibility {
         let (nx, ny) = (grid.ni, grid.nj);
         let mut convolution = Convolution::new(nx, ny);
         let spectrum = convolution.spectrum(|i, j| influence.zz(i, j));
+        let rows = AlignedGrid::regular(*grid);
         let zeros = || vec![0.0; grid.points()];
         Self {
             normal: (convolution, spectrum),
-            tangential: Displacement::new(&elasticity.into(), 0.0, grid, [nx, ny]),
+            tangential: RowInfluence::new(&rows, &elasticity.into(), 0.0, Accuracy::Full).into(),
             coupling: elasticity
                 .is_coupled()
                 .then(|| Coupling::new(&influence, nx, ny, Stencil::DISPLACEMENT)),

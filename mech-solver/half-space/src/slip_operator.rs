@@ -48,7 +48,7 @@ use super::difference::Stencil;
 use super::influence::{EvenOffsetTable, Influence};
 use super::viscoelastic::{Bodies, RollingInfluenceNumbers};
 use grids::Structured;
-use numerics::convolution::{Complex64, Convolution, Spectrum};
+use numerics::convolution::{Complex64, Convolution, EvenSpectrum, Spectrum};
 use numerics::fourier::Real;
 
 /// Length of the memory of the damped shift, in semi-axes.
@@ -56,41 +56,56 @@ const MEMORY: f64 = 1.5;
 /// Share of a side that is rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// A symmetric tensor of spectra, and the convolution that applies it.
+/// A symmetric tensor of kernels \[xx, yy, xy\], and the convolution that applies it.
 #[derive(Debug)]
 struct Tensor<T> {
     convolution: Convolution<T>,
-    xx: Spectrum<T>,
-    yy: Spectrum<T>,
-    xy: Spectrum<T>,
+    kernels: Kernels<T>,
+}
+
+#[derive(Debug)]
+enum Kernels<T> {
+    /// Kernels of elastic bodies, even under a reversal of both distances.
+    Even([EvenSpectrum<T>; 3]),
+    /// Kernels of viscoelastic bodies.
+    Any([Spectrum<T>; 3]),
 }
 
 impl Tensor<f64> {
     fn of(mut convolution: Convolution, kernel: impl Fn(i32, i32) -> [f64; 3]) -> Self {
-        let mut component = |k: usize| convolution.spectrum(|i, j| kernel(i, j)[k]);
-        let [xx, yy, xy] = std::array::from_fn(&mut component);
-        Self { convolution, xx, yy, xy }
+        let component = |k: usize| convolution.spectrum(|i, j| kernel(i, j)[k]);
+        let kernels = Kernels::Any([0, 1, 2].map(component));
+        Self { convolution, kernels }
     }
 
     /// Rounds the tensor times a factor to single precision, for a convolution on the same grid.
     fn rounded(&self, convolution: Convolution<f32>, factor: f64) -> Tensor<f32> {
-        let [xx, yy, xy] = [&self.xx, &self.yy, &self.xy].map(|one| one.rounded(factor));
-        Tensor { convolution, xx, yy, xy }
+        let kernels = match &self.kernels {
+            Kernels::Even(kernels) => Kernels::Even(kernels.each_ref().map(|k| k.rounded(factor))),
+            Kernels::Any(kernels) => Kernels::Any(kernels.each_ref().map(|k| k.rounded(factor))),
+        };
+        Tensor { convolution, kernels }
     }
 }
 
 impl<T: Real> Tensor<T> {
     fn apply(&mut self, input: [&[T]; 2], output: [&mut [T]; 2]) {
-        let kernels = [[&self.xx, &self.xy], [&self.xy, &self.yy]];
-        self.convolution.apply_tensor(&kernels, input, output);
+        match &self.kernels {
+            Kernels::Even(kernels) => self.convolution.apply_even_tensor(kernels, input, output),
+            Kernels::Any([xx, yy, xy]) => {
+                self.convolution.apply_tensor(&[[xx, xy], [xy, yy]], input, output);
+            }
+        }
     }
 }
 
-/// Influence of elastic bodies on a grid whose rows are displaced, A.
+/// Influence of elastic bodies on a grid whose rows may be displaced, A.
 #[derive(Debug)]
 pub struct RowInfluence {
-    tensor: Tensor<f64>,
-    displacements: Vec<f64>,
+    convolution: Convolution,
+    kernels: [EvenSpectrum; 3],
+    /// Displacements of the rows [elements]; `None` on a regular grid.
+    displacements: Option<Vec<f64>>,
     /// Influence numbers over whole elements.
     table: Table,
     shape: [usize; 2],
@@ -117,36 +132,53 @@ impl Accuracy {
 }
 
 impl RowInfluence {
-    /// Creates the operator, with the flexibility of a layer [m/Pa]; `None` on a regular grid.
+    /// Creates the operator, with the flexibility of a layer [m/Pa].
     #[must_use]
-    pub fn new(
-        rows: &AlignedGrid,
-        bodies: &Bodies,
-        layer: f64,
-        accuracy: Accuracy,
-    ) -> Option<Self> {
-        let (grid, displacements) = (rows.grid(), rows.displacements()?);
+    pub fn new(rows: &AlignedGrid, bodies: &Bodies, layer: f64, accuracy: Accuracy) -> Self {
+        let grid = rows.grid();
         let influence = Influence::of_grid(grid, bodies.instantaneous);
-        let (nx, ny) = (grid.ni, grid.nj);
-        let mut convolution = Convolution::of_rows(nx, ny).displace_rows(displacements);
-        let table = Table::reaching(&influence, layer, convolution.padded_shape().0 / 2 + 1, ny);
+        let shape = [grid.ni, grid.nj];
+        let displacements = rows.displacements();
+        let mut convolution = convolution_of_rows(shape, displacements);
+        let width = convolution.padded_shape().0 / 2 + 1;
+        let table = Table::reaching(&influence, layer, width, grid.nj);
+        let regular = vec![0.0; grid.nj];
+        let (places, reach) = match displacements {
+            Some(displacements) => (displacements, accuracy.reach(grid)),
+            None => (&regular[..], 0),
+        };
         let mut component = |k: usize, between: fn(&Influence, f64, f64) -> f64| {
             let between =
                 |x: f64, j: i32| between(&influence, x * influence.dx, f64::from(j) * influence.dy);
             let kernel = |i, j| table.value(i, j)[k];
-            let reach = accuracy.reach(grid);
-            convolution.spectrum_of_rows(displacements, reach, kernel, between)
+            convolution.spectrum_of_rows(places, reach, kernel, between)
         };
-        let (xx, yy) = (component(0, Influence::xx_at), component(1, Influence::yy_at));
-        let xy = component(2, Influence::xy_at);
-        let tensor = Tensor { convolution, xx, yy, xy };
-        Some(Self { tensor, displacements: displacements.to_vec(), table, shape: [nx, ny] })
+        let kernels = [
+            component(0, Influence::xx_at),
+            component(1, Influence::yy_at),
+            component(2, Influence::xy_at),
+        ];
+        let displacements = displacements.map(<[f64]>::to_vec);
+        Self { convolution, kernels, displacements, table, shape }
     }
+}
 
-    /// Plans a convolution on this grid.
-    fn convolution<T: Real>(&self) -> Convolution<T> {
-        let [nx, ny] = self.shape;
-        Convolution::of_rows(nx, ny).displace_rows(&self.displacements)
+/// Plans a convolution on a grid whose rows may be displaced.
+fn convolution_of_rows<T: Real>(
+    [nx, ny]: [usize; 2],
+    displacements: Option<&[f64]>,
+) -> Convolution<T> {
+    displaced(Convolution::of_rows(nx, ny), displacements)
+}
+
+/// Displaces the rows of a convolution, if they are displaced.
+fn displaced<T: Real>(
+    convolution: Convolution<T>,
+    displacements: Option<&[f64]>,
+) -> Convolution<T> {
+    match displacements {
+        Some(displacements) => convolution.displace_rows(displacements),
+        None => convolution,
     }
 }
 
@@ -156,19 +188,18 @@ pub struct Displacement(Tensor<f64>);
 
 impl From<RowInfluence> for Displacement {
     fn from(influence: RowInfluence) -> Self {
-        Self(influence.tensor)
+        let RowInfluence { convolution, kernels, .. } = influence;
+        Self(Tensor { convolution, kernels: Kernels::Even(kernels) })
     }
 }
 
 impl Displacement {
-    /// Creates the operator of nx × ny elements of the grid's size, with the flexibility of a layer
-    /// [m/Pa].
+    /// Creates the operator K of viscoelastic bodies on nx × ny elements of these sides [m], with
+    /// the flexibility of a layer [m/Pa].
     #[must_use]
-    pub fn new(bodies: &Bodies, layer: f64, grid: &Structured, [nx, ny]: [usize; 2]) -> Self {
-        let table = match bodies.remember() {
-            true => Table::with_memory(bodies, layer, [nx, ny], [grid.dx(), grid.dy()]),
-            false => Table::new(&Influence::of_grid(grid, bodies.instantaneous), layer, nx, ny),
-        };
+    pub fn with_memory(bodies: &Bodies, layer: f64, counts: [usize; 2], sides: [f64; 2]) -> Self {
+        let table = Table::with_memory(bodies, layer, counts, sides);
+        let [nx, ny] = counts;
         Self(Tensor::of(Convolution::new(nx, ny), |i, j| table.value(i, j)))
     }
 
@@ -191,22 +222,6 @@ pub struct SlipOperator {
 }
 
 impl SlipOperator {
-    /// Creates the operator on nx × ny elements with this stencil; `elements_per_semi_axis` is
-    /// a/Δx.
-    #[must_use]
-    pub fn new(
-        influence: &Influence,
-        stencil: Stencil,
-        layer_flexibility: f64,
-        [nx, ny]: [usize; 2],
-        elements_per_semi_axis: f64,
-    ) -> Self {
-        let table = Table::new(influence, layer_flexibility, nx, ny);
-        let damping = damping(elements_per_semi_axis);
-        let inverse = Inverse { table: &table, stencil, damping, growth: None };
-        Self::of(nx, ny, inverse, |i, j| table.slip(stencil, i, j))
-    }
-
     /// Creates the operator of viscoelastic bodies in rolling, with K in place of A, on elements
     /// dx × dy [m].
     #[must_use]
@@ -224,44 +239,35 @@ impl SlipOperator {
         let damping = damping(elements_per_semi_axis);
         let growth = |upstream| bodies.growth(upstream, dx);
         let inverse = Inverse { table: &elastic, stencil, damping, growth: Some(&growth) };
-        Self::of(nx, ny, inverse, |i, j| table.slip(stencil, i, j))
+        let operator = Tensor::of(Convolution::new(nx, ny), |i, j| table.slip(stencil, i, j));
+        let [self_influence, ..] = table.slip(stencil, 0, 0);
+        let single = operator.rounded(Convolution::new(nx, ny), self_influence.recip());
+        let inverse = inverse.tensor([nx, ny], None, self_influence);
+        let (applications, preconditionings) = (0, 0);
+        Self { operator, single, inverse, self_influence, applications, preconditionings }
     }
 
-    /// Creates the operator with this stencil on displaced rows.
+    /// Creates the operator of elastic bodies with this stencil; `elements_per_semi_axis` is a/Δx.
     #[must_use]
     pub fn of_rows(
         influence: &RowInfluence,
         stencil: Stencil,
         elements_per_semi_axis: f64,
     ) -> Self {
-        let RowInfluence { tensor, table, displacements, shape: [nx, ny] } = influence;
-        let convolution: Convolution = influence.convolution();
+        let RowInfluence { convolution, kernels, table, displacements, shape } = influence;
+        let displacements = displacements.as_deref();
         let weights: Vec<(i32, f64)> = stencil.weights().collect();
         let factors = convolution.factors_along(&weights);
-        let [xx, yy, xy] = [&tensor.xx, &tensor.yy, &tensor.xy].map(|part| part.along(&factors));
-        let operator = Tensor { convolution, xx, yy, xy };
+        let operator = Tensor {
+            convolution: convolution_of_rows(*shape, displacements).with_factors(&factors),
+            kernels: Kernels::Even(kernels.clone()),
+        };
         let [self_influence, ..] = table.slip(stencil, 0, 0);
-        let single = operator.rounded(influence.convolution(), self_influence.recip());
+        let single = convolution_of_rows(*shape, displacements).with_factors(&factors);
+        let single = operator.rounded(single, self_influence.recip());
         let damping = damping(elements_per_semi_axis);
         let inverse = Inverse { table, stencil, damping, growth: None };
-        let inverse = inverse.tensor(Convolution::barely_padded(*nx, *ny));
-        let plan = Convolution::barely_padded(*nx, *ny).displace_rows(displacements);
-        let inverse = inverse.rounded(plan, self_influence);
-        let (applications, preconditionings) = (0, 0);
-        Self { operator, single, inverse, self_influence, applications, preconditionings }
-    }
-
-    fn of(
-        nx: usize,
-        ny: usize,
-        inverse: Inverse<'_>,
-        kernel: impl Fn(i32, i32) -> [f64; 3],
-    ) -> Self {
-        let self_influence = kernel(0, 0)[0];
-        let operator = Tensor::of(Convolution::new(nx, ny), kernel);
-        let single = operator.rounded(Convolution::new(nx, ny), self_influence.recip());
-        let inverse = inverse.tensor(Convolution::barely_padded(nx, ny));
-        let inverse = inverse.rounded(Convolution::barely_padded(nx, ny), self_influence);
+        let inverse = inverse.tensor(*shape, displacements, self_influence);
         let (applications, preconditionings) = (0, 0);
         Self { operator, single, inverse, self_influence, applications, preconditionings }
     }
@@ -317,27 +323,38 @@ struct Inverse<'a> {
 }
 
 impl Inverse<'_> {
-    fn tensor(self, convolution: Convolution) -> Tensor<f64> {
-        let (nx, ny) = convolution.shape();
+    /// Creates the inverse times a factor, for rows that may be displaced.
+    fn tensor(
+        self,
+        [nx, ny]: [usize; 2],
+        displacements: Option<&[f64]>,
+        factor: f64,
+    ) -> Tensor<f32> {
         let window = |at: i32, count: usize| 1.0 - f64::from(at.unsigned_abs()) / count as f64;
-        let Tensor { mut convolution, xx, yy, xy } = Tensor::of(convolution, |i, j| {
-            let weight = window(i, nx) * window(j, ny);
-            self.table.value(i, j).map(|value| weight * value)
-        });
+        let mut convolution = Convolution::barely_padded(nx, ny);
+        let component = |k: usize| {
+            convolution.spectrum(|i, j| window(i, nx) * window(j, ny) * self.table.value(i, j)[k])
+        };
+        let [xx, yy, xy] = [0, 1, 2].map(component);
+        let of = |which: fn(f64, f64, f64) -> f64| {
+            let inverse = Spectrum::combine([&xx, &yy, &xy], |[xx, yy, xy]| {
+                let (xx, yy, xy) = (xx.re, yy.re, xy.re);
+                (which(xx, yy, xy) / (xx * yy - xy * xy)).into()
+            });
+            inverse.even().rounded(factor)
+        };
+        let kernels = [of(|_, yy, _| yy), of(|xx, _, _| xx), of(|_, _, xy| -xy)];
         // A line of one element has no upstream element.
-        let upstream = convolution.spectrum(|i, j| if (i, j) == (-1, 0) { 1.0 } else { 0.0 });
-        let shift = Spectrum::combine([&upstream], |[at]| {
+        let upstream = if nx > 1 { 1.0 } else { 0.0 };
+        let shift = |at: Complex64| {
             let along = self.stencil.along.map_or(0.0.into(), |_| 1.0 - at * self.damping);
             (along + self.stencil.own) * self.growth.map_or(1.0.into(), |growth| growth(at))
-        });
-        let of = |which: fn(f64, f64, f64) -> f64| {
-            Spectrum::combine([&xx, &yy, &xy, &shift], |[xx, yy, xy, shift]| {
-                let (xx, yy, xy) = (xx.re, yy.re, xy.re);
-                shift.inv() * (which(xx, yy, xy) / (xx * yy - xy * xy))
-            })
         };
-        let (along, across, mixed) = (of(|_, yy, _| yy), of(|xx, _, _| xx), of(|_, _, xy| -xy));
-        Tensor { convolution, xx: along, yy: across, xy: mixed }
+        let upstream = convolution.factors_along(&[(1, upstream)]);
+        let factors: Vec<Complex64> = upstream.into_iter().map(|at| shift(at).inv()).collect();
+        let convolution = displaced(Convolution::barely_padded(nx, ny), displacements);
+        let convolution = convolution.with_factors(&factors);
+        Tensor { convolution, kernels: Kernels::Even(kernels) }
     }
 }
 

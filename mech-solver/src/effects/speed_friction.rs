@@ -12,7 +12,7 @@
 //! the elastic part. In the stick zone the modified bound is not reached.
 //!
 //! *Local slip* (`slip = "local"`, half-spaces). v is the slip velocity of every element including
-//! its elastic part, and 0 where it adheres. Friction and slip are solved alternately. In a step of
+//! its elastic part, and 0 where it adheres. Friction and slip are solved together. In a step of
 //! transient rolling such a falling law has several solutions (Vollebregt & Schuttelaars, J. Sound
 //! Vib. 331 (2012) 2141–2155). The key `start` sets the initial slip of the iteration, and so
 //! selects the solution: the one with the least slip if it starts from rest, the one with the most

@@ -72,7 +72,7 @@ pub(crate) trait FrictionFactor: Debug + Send + Sync {
     }
 
     /// Returns the initial slip if the factor depends on the slip velocity of each element.
-    /// Friction and slip are then solved alternately.
+    /// Friction and slip are then solved together.
     fn follows_elements(&self) -> Option<SlipStart> {
         None
     }

@@ -4,11 +4,11 @@
 //! is displaced by a phase of its transform. With the transforms p̂_k of the rows, the sum of the
 //! effects of all rows k is, wave by wave,
 //!
-//! û_j = φ_j Σ_k Â_{j−k} φ̄_k p̂_k + Σ_{|j−k| ≤ r} Ĉ_jk p̂_k,   φ_j(m) = e^(2πi m δ_j/P_x).
+//! û_j = φ_j (Σ_k Â_{j−k} φ̄_k p̂_k + Σ_{|j−k| ≤ r} Ĉ_jk φ̄_k p̂_k),   φ_j(m) = e^(2πi m δ_j/P_x).
 //!
 //! The first sum is a convolution between two phases, and exact for kernels that are smooth on the
-//! scale of an element. Between near rows they are not: Ĉ_jk is the difference of the exact kernel,
-//! sampled at i + δ_j − δ_k, and the displaced one. In a row itself both agree. The alternating
+//! scale of an element. Between near rows they are not: φ_j Ĉ_jk φ̄_k is the difference of the exact
+//! kernel, sampled at i + δ_j − δ_k, and the displaced one. In a row itself both agree. The alternating
 //! wave m = P_x/2 cannot be displaced, and its phase is 1.
 //!
 //! A symmetric kernel stays symmetric, and the sum over each pair of rows stays a cyclic
@@ -16,7 +16,7 @@
 //! that nothing is cut off.
 
 use super::near_rows::{NearRows, Phases};
-use super::{Complex64, Convolution, Spectrum, offset, smooth_size, wrapped};
+use super::{Complex64, Convolution, EvenSpectrum, offset, smooth_size, wrapped};
 use crate::fourier::{Complex, Real};
 use std::f64::consts::TAU;
 
@@ -50,24 +50,29 @@ impl<T: Real> Convolution<T> {
         let values = displacements.iter().flat_map(|by| (0..=last).map(move |m| phase(*by, m)));
         let number = |value: f64| T::from_f64(value).expect("a phase is a number of any precision");
         let values = values.map(|phase| Complex::new(number(phase.re), number(phase.im)));
-        self.phases = Some(Phases(values.collect()));
+        let phases = Phases(values.collect());
+        (self.leaving, self.phases) = (Some(phases.clone()), Some(phases));
         self
     }
-}
 
-impl Spectrum {
-    /// Multiplies every wave along x by its factor, as a difference along x does.
+    /// Multiplies the waves along x of every image by these factors, as a difference along x does.
     ///
     /// # Panics
     /// Panics if there is not one factor a wave.
     #[must_use]
-    pub fn along(&self, factors: &[Complex64]) -> Self {
-        let padded = self.values.len() / factors.len();
-        assert_eq!(self.values.len(), factors.len() * padded, "one factor a wave is expected");
-        let columns = self.values.chunks_exact(padded).zip(factors);
-        let values = columns.flat_map(|(column, factor)| column.iter().map(move |v| v * factor));
-        let near = self.near.as_ref().map(|near| near.along(factors));
-        Self { values: values.collect(), near, ..*self }
+    pub fn with_factors(mut self, factors: &[Complex64]) -> Self {
+        assert_eq!(factors.len(), self.columns(), "one factor a wave is expected");
+        let number =
+            |value: f64| T::from_f64(value).expect("a factor is a number of any precision");
+        let factors = factors.iter().map(|value| Complex::new(number(value.re), number(value.im)));
+        let factors: Vec<_> = factors.collect();
+        let Phases(leaving) = self.leaving.get_or_insert_with(|| {
+            Phases(vec![Complex::new(T::one(), T::zero()); self.ny * factors.len()])
+        });
+        for row in leaving.chunks_exact_mut(factors.len()) {
+            row.iter_mut().zip(&factors).for_each(|(value, factor)| *value = *value * factor);
+        }
+        self
     }
 }
 
@@ -99,7 +104,7 @@ impl Convolution<f64> {
         reach: usize,
         kernel: impl Fn(i32, i32) -> f64,
         between: impl Fn(f64, i32) -> f64,
-    ) -> Spectrum {
+    ) -> EvenSpectrum {
         assert_eq!(displacements.len(), self.ny, "one displacement a row is expected");
         let half = offset(self.padded_x / 2);
         // The middle of the padding is as far away on either side.
@@ -108,10 +113,9 @@ impl Convolution<f64> {
             false => kernel(di, dj),
         };
         let reach = reach.min(self.ny - 1);
-        let mut spectrum = self.transform(half, &filled);
+        let mut spectrum = self.transform(half, &filled).even();
         let columns = self.columns();
-        let mut near =
-            NearRows { reach, values: vec![Complex64::default(); self.ny * 2 * reach * columns] };
+        let mut near = NearRows::zero(self.ny, reach, columns);
         let mut values = vec![0.0; self.padded_x];
         let mut exact = vec![Complex64::default(); columns];
         for distance in 1..=reach {
@@ -132,14 +136,12 @@ impl Convolution<f64> {
                     let angle = TAU * apart * wave as f64 / self.padded_x as f64;
                     let last = wave + 1 == columns;
                     let phase = if last { Complex64::ONE } else { Complex64::cis(angle) };
-                    let value = (exact - phase * regular) / spectrum.size * self.padded_y as f64;
-                    let own = (row * 2 * reach + distance - 1) * columns + wave;
-                    let back = (source * 2 * reach + reach + distance - 1) * columns + wave;
-                    (near.values[own], near.values[back]) = (value, value.conj());
+                    let value = (exact * phase.conj() - regular) / self.padded_x as f64;
+                    near.set(row, distance, wave, value);
                 }
             }
         }
-        spectrum.near = Some(near);
+        spectrum.near = (reach > 0).then_some(near);
         spectrum
     }
 

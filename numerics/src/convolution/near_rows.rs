@@ -21,37 +21,41 @@ impl<T: Real> Phases<T> {
 /// Corrections of a kernel between near rows.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NearRows<T> {
+    /// Number of rows ny.
+    count: usize,
     /// Largest distance r of rows.
-    pub(super) reach: usize,
-    /// Ĉ_jk/(P_x P_y), for each j first k = j − 1 … j − r, then k = j + 1 … j + r, wave by wave.
-    pub(super) values: Vec<Complex<T>>,
+    reach: usize,
+    /// Ĉ_jk/P_x, wave by wave; in each k = j − 1 … j − r, then k = j + 1 … j + r, each with
+    /// one value for every row j.
+    values: Vec<Complex<T>>,
 }
 
 impl<T: Real> NearRows<T> {
-    /// Correction between a row and the `place`-th of its near rows.
-    fn row(&self, row: usize, place: usize, columns: usize) -> &[Complex<T>] {
-        let start = (row * 2 * self.reach + place) * columns;
-        &self.values[start..start + columns]
+    /// Creates corrections of zero for `count` rows of `columns` waves.
+    pub(super) fn zero(count: usize, reach: usize, columns: usize) -> Self {
+        let values = vec![Complex::new(T::zero(), T::zero()); columns * 2 * reach * count];
+        Self { count, reach, values }
     }
 
-    /// Adds the effect of the near rows of a field, transformed along x, to columns of an image
-    /// transformed along x. `rows` has `columns` waves a row, `image` ny values a wave, from the
-    /// wave `first` on.
-    pub(super) fn add(
-        &self,
-        rows: &[Complex<T>],
-        columns: usize,
-        first: usize,
-        image: &mut [Complex<T>],
-    ) {
-        let ny = rows.len() / columns;
-        let count = image.len() / ny;
-        for row in 0..ny {
-            for (place, source) in near(row, self.reach, ny) {
-                let kernel = &self.row(row, place, columns)[first..first + count];
-                let field = &rows[source * columns + first..][..count];
-                for (column, (kernel, value)) in kernel.iter().zip(field).enumerate() {
-                    let sum = &mut image[column * ny + row];
+    /// Adds the effects of the near rows of a field on an image, both as columns of ny values, from
+    /// the wave `first` on.
+    pub(super) fn add(&self, field: &[Complex<T>], first: usize, image: &mut [Complex<T>]) {
+        let Self { count, reach, values } = self;
+        let kernels = values[first * 2 * reach * count..].chunks_exact(2 * reach * count);
+        let columns = field.chunks_exact(*count).zip(image.chunks_exact_mut(*count));
+        for ((field, image), kernels) in columns.zip(kernels) {
+            for (place, kernel) in kernels.chunks_exact(*count).enumerate() {
+                let (image, kernel, field) = match place < *reach {
+                    true => {
+                        let apart = place + 1;
+                        (&mut image[apart..], &kernel[apart..], &field[..count - apart])
+                    }
+                    false => {
+                        let apart = place - reach + 1;
+                        (&mut image[..count - apart], kernel, &field[apart..])
+                    }
+                };
+                for ((sum, kernel), value) in image.iter_mut().zip(kernel).zip(field) {
                     *sum = *sum + *kernel * *value;
                 }
             }
@@ -59,25 +63,19 @@ impl<T: Real> NearRows<T> {
     }
 }
 
-/// Places and indices of the rows up to `reach` away from a row.
-fn near(row: usize, reach: usize, ny: usize) -> impl Iterator<Item = (usize, usize)> {
-    let below = (1..=reach.min(row)).map(move |m| (m - 1, row - m));
-    let above = (1..=reach.min(ny - 1 - row)).map(move |m| (reach + m - 1, row + m));
-    below.chain(above)
-}
-
 impl NearRows<f64> {
-    /// Maps every value of a wave by its factor.
-    pub(super) fn along(&self, factors: &[Complex<f64>]) -> Self {
-        let factors = factors.iter().cycle();
-        let values = self.values.iter().zip(factors).map(|(value, factor)| value * factor);
-        Self { values: values.collect(), ..*self }
+    /// Sets the correction between a row and the one `apart` before it.
+    pub(super) fn set(&mut self, row: usize, apart: usize, wave: usize, value: Complex<f64>) {
+        let Self { count, reach, values } = self;
+        let start = wave * 2 * *reach;
+        values[(start + apart - 1) * *count + row] = value;
+        values[(start + *reach + apart - 1) * *count + row - apart] = value.conj();
     }
 
     /// Returns the corrections times a factor, in single precision.
     pub(super) fn rounded(&self, factor: f64) -> NearRows<f32> {
         let values = self.values.iter().map(|value| single(value * factor)).collect();
-        NearRows { reach: self.reach, values }
+        NearRows { count: self.count, reach: self.reach, values }
     }
 }
 

@@ -1,10 +1,11 @@
 use super::linear::{Border, System, Unknowns};
 use super::*;
+use crate::aligned::AlignedGrid;
 use crate::difference::{Difference, Stencil};
-use crate::influence::Influence;
-use crate::slip_operator::SlipOperator;
+use crate::slip_operator::{Accuracy, RowInfluence, SlipOperator};
 use elastic::Elasticity;
 use elastic::Material;
+use grids::Structured;
 
 /// A circular contact with n elements along its radius, under a semi-elliptic bound.
 struct Disc {
@@ -57,16 +58,12 @@ impl Disc {
         let body = Material { youngs_modulus: 2.0, poisson_ratio: 0.25 };
         let step = self.step();
         let elasticity = Elasticity::of_pair(&body, &body);
-        let influence = Influence { dx: step, dy: step, elasticity, plane_strain: false };
         let count = self.x.len();
+        let rows =
+            AlignedGrid::regular(Structured::contact_plane(0.0, 0.0, step, step, count, count));
+        let influence = RowInfluence::new(&rows, &elasticity.into(), 0.0, Accuracy::Full);
         let stencil = Stencil { along: Some(Difference::Upwind), own: 0.0 };
-        TangentialSolver::new(SlipOperator::new(
-            &influence,
-            stencil,
-            0.0,
-            [count, count],
-            self.n as f64,
-        ))
+        TangentialSolver::new(SlipOperator::of_rows(&influence, stencil, self.n as f64))
     }
 }
 

@@ -113,7 +113,7 @@ impl Dissipating {
         let (counts, sides) = ([grid.ni, grid.nj], [grid.dx(), grid.dy()]);
         let coupling = || Coupling::with_memory(bodies, counts, sides, Stencil::DISPLACEMENT);
         Self {
-            tangential: Displacement::new(bodies, 0.0, grid, counts),
+            tangential: Displacement::with_memory(bodies, 0.0, counts, sides),
             coupling: bodies.are_coupled().then(coupling),
         }
     }
