@@ -15,7 +15,8 @@
 //! without pressure join C. M is the inverse of A's symbol on the padded grid, cut to C. As A is
 //! 2E*/|k| for long waves, the number of iterations hardly grows with the resolution. Under a given
 //! load δ is chosen in every step so that Σ z = 0, with w = M 1 on C: z = M(−h − u) + δ w. Steps
-//! thus keep the load; after a cut, scaling p restores it.
+//! thus keep the load; after a cut, scaling p restores it. M is in single precision and acts on
+//! the residual at the previous δ.
 //!
 //! The pressure may have an upper bound p̂, [`NormalSolver::pressure_bound`], at which e ≤ 0: the
 //! remaining interpenetration is the depth to which the bodies have yielded. Elements at the bound
@@ -44,6 +45,7 @@ mod bounded;
 mod error;
 mod interior_point;
 mod point;
+mod preconditioner;
 mod workspace;
 
 pub use super::prescribed::Prescribed;
@@ -52,10 +54,11 @@ pub use error::NormalError;
 use super::influence::{EvenOffsetTable, Influence};
 use super::initial_pressure;
 use super::viscoelastic::{Bodies, RollingInfluenceNumbers};
-use numerics::convolution::{Complex64, Convolution, Spectrum};
+use numerics::convolution::{Complex64, Convolution, EvenSpectrum, Spectrum};
 use numerics::rows::{Kernel, Rows};
 use numerics::vector::dot;
 use point::InteriorPoint;
+use preconditioner::Preconditioner;
 use std::f64::consts::TAU;
 use workspace::Workspace;
 
@@ -95,8 +98,8 @@ pub struct NormalSolver {
     ends: bool,
     /// Operator A.
     flexibility: Flexibility,
-    /// M, with its convolution.
-    preconditioner: (Convolution, Spectrum),
+    /// M.
+    preconditioner: Preconditioner,
     shape: (usize, usize),
     area: f64,
     compliance: f64,
@@ -105,17 +108,21 @@ pub struct NormalSolver {
     work: Workspace,
 }
 
-/// Operator A of half-spaces, or of bodies with a curved surface.
+/// Operator A of elastic or viscoelastic half-spaces, or of bodies with a curved surface.
 #[derive(Debug)]
 enum Flexibility {
-    HalfSpaces(Convolution, Spectrum),
+    Elastic(Convolution, EvenSpectrum),
+    Viscoelastic(Convolution, Spectrum),
     Curved(Rows, Kernel),
 }
 
 impl Flexibility {
     fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
         match self {
-            Self::HalfSpaces(convolution, spectrum) => {
+            Self::Elastic(convolution, spectrum) => {
+                convolution.apply_even(spectrum, pressure, displacement);
+            }
+            Self::Viscoelastic(convolution, spectrum) => {
                 convolution.apply(spectrum, pressure, displacement);
             }
             Self::Curved(rows, kernel) => rows.apply(&[(kernel, pressure)], displacement),
@@ -149,14 +156,13 @@ impl NormalSolver {
     pub fn new(nx: usize, ny: usize, influence: &Influence) -> Self {
         let quarter = EvenOffsetTable::new(nx, ny, |i, j| influence.zz(i, j));
         let mut convolution = Convolution::new(nx, ny);
-        let flexibility = convolution.spectrum(|i, j| quarter.value(i, j));
-        let mut rough = Convolution::barely_padded(nx, ny);
-        let preconditioner = preconditioner(&mut rough, &quarter);
-        let compliance = influence.elasticity.contact_compliance();
+        let flexibility = convolution.spectrum(|i, j| quarter.value(i, j)).even();
         Self::with(
-            [(convolution, flexibility), (rough, preconditioner)],
+            Flexibility::Elastic(convolution, flexibility),
+            Preconditioner::new(nx, ny, |i, j| quarter.value(i, j)),
+            [nx, ny],
             [influence.dx, influence.dy],
-            compliance,
+            influence.elasticity.contact_compliance(),
         )
     }
 
@@ -186,16 +192,13 @@ impl NormalSolver {
             RollingInfluenceNumbers::new([nx, ny], [dx, dy], bodies, |of, x, y| [of.zz_at(x, y)]);
         let mut convolution = Convolution::new(nx, ny);
         let flexibility = convolution.spectrum(|i, j| numbers.value(i, j)[0]);
-        let mut rough = Convolution::barely_padded(nx, ny);
-        let elastic = symbol(&mut rough, |i, j| at_once.zz(i, j));
-        let upstream = rough.spectrum(|i, j| if (i, j) == (-1, 0) { 1.0 } else { 0.0 });
-        let inverse = Spectrum::combine([&elastic, &upstream], |[elastic, upstream]| {
-            (bodies.growth(upstream, dx) * elastic.re).inv()
-        });
-        let spectra = [(convolution, flexibility), (rough, inverse)];
+        let preconditioner = Preconditioner::new(nx, ny, |i, j| at_once.zz(i, j))
+            .with_factors(|upstream| bodies.growth(upstream, dx).inv());
+        let flexibility = Flexibility::Viscoelastic(convolution, flexibility);
         let point = InteriorPoint::new(numbers.value(0, 0)[0], nx * ny);
         let compliance = bodies.relaxed().contact_compliance();
-        Self { point: Some(point), ..Self::with(spectra, [dx, dy], compliance) }
+        let solver = Self::with(flexibility, preconditioner, [nx, ny], [dx, dy], compliance);
+        Self { point: Some(point), ..solver }
     }
 
     /// Creates a solver for a contact that repeats every nx × ny elements dx × dy [m], nx even. A
@@ -218,23 +221,25 @@ impl NormalSolver {
         let factor = |k, l| Complex64::new(2.0 * compliance / wave_number(k, l), 0.0);
         let flexibility = convolution.factors(factor);
         let inverse = flexibility.map(|value| Complex64::new(1.0 / value.re, 0.0));
-        let again = Convolution::cyclic(nx, ny);
-        let spectra = [(convolution, flexibility), (again, inverse)];
-        Self { ends: false, ..Self::with(spectra, [dx, dy], compliance) }
+        let preconditioner = Preconditioner::of(Convolution::cyclic(nx, ny), &inverse.even());
+        let flexibility = Flexibility::Elastic(convolution, flexibility.even());
+        let solver = Self::with(flexibility, preconditioner, [nx, ny], [dx, dy], compliance);
+        Self { ends: false, ..solver }
     }
 
     fn with(
-        [flexibility, preconditioner]: [(Convolution, Spectrum); 2],
+        flexibility: Flexibility,
+        preconditioner: Preconditioner,
+        [nx, ny]: [usize; 2],
         [dx, dy]: [f64; 2],
         compliance: f64,
     ) -> Self {
-        let (nx, ny) = flexibility.0.shape();
         Self {
             tolerance: Self::TOLERANCE,
             iteration_limit: Self::ITERATION_LIMIT,
             pressure_bound: f64::INFINITY,
             ends: true,
-            flexibility: Flexibility::HalfSpaces(flexibility.0, flexibility.1),
+            flexibility,
             preconditioner,
             shape: (nx, ny),
             area: dx * dy,
@@ -399,13 +404,14 @@ impl NormalSolver {
         std::mem::swap(&mut work.residual, &mut work.last_residual);
         let given = match prescribed {
             Prescribed::Approach(approach) => approach,
-            Prescribed::Load(_) => 0.0,
+            // M is rounded to single precision, and so acts on residuals that vanish.
+            Prescribed::Load(_) => progress.approach,
         };
         for (at, flag) in work.in_contact.iter().enumerate() {
             let open = given - distance[at] - work.displacement[at];
             work.residual[at] = if *flag { open } else { 0.0 };
         }
-        apply(&mut self.preconditioner, &work.residual, &mut work.step);
+        self.preconditioner.apply(&work.residual, &mut work.step);
         progress.convolutions += 1;
         work.cut(|work| &mut work.step);
         progress.approach = given;
@@ -414,11 +420,11 @@ impl NormalSolver {
                 for (value, flag) in work.image.iter_mut().zip(&work.in_contact) {
                     *value = f64::from(u8::from(*flag));
                 }
-                apply(&mut self.preconditioner, &work.image, &mut work.punch);
+                self.preconditioner.apply(&work.image, &mut work.punch);
                 progress.convolutions += 1;
                 work.cut(|work| &mut work.punch);
             }
-            progress.approach = work.balance();
+            progress.approach += work.balance();
         }
         progress.new_contact = false;
     }
@@ -505,27 +511,6 @@ impl Progress {
             new_contact: true,
         }
     }
-}
-
-/// Preconditioner M: the inverse of the symbol of A under a triangular window.
-///
-/// The window lets the kernel end smoothly within the grid. Its transform is positive (Fejér), and
-/// so is the transform of A. The symbol is their convolution and thus positive too. Without the
-/// window, the ripple of the cut kernel makes some values negative, and the iteration fails.
-fn preconditioner(convolution: &mut Convolution, kernel: &EvenOffsetTable<f64>) -> Spectrum {
-    let symbol = symbol(convolution, |i, j| kernel.value(i, j));
-    symbol.map(|value| Complex64::new(1.0 / value.re, 0.0))
-}
-
-/// The symbol of a kernel under a triangular window.
-fn symbol(convolution: &mut Convolution, kernel: impl Fn(i32, i32) -> f64) -> Spectrum {
-    let (nx, ny) = convolution.shape();
-    let window = |offset: i32, count: usize| 1.0 - f64::from(offset.abs()) / count as f64;
-    convolution.spectrum(|i, j| kernel(i, j) * window(i, nx) * window(j, ny))
-}
-
-fn apply((convolution, spectrum): &mut (Convolution, Spectrum), input: &[f64], output: &mut [f64]) {
-    convolution.apply(spectrum, input, output);
 }
 
 /// Result for bodies that do not press on each other.

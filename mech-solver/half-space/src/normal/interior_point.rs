@@ -27,11 +27,10 @@
 //! of 200 elements takes 70 for f ≤ 1, and 740 in the worst case of f = 100.
 
 use super::point::InteriorPoint;
+use super::preconditioner::Preconditioner;
 use super::{
-    Flexibility, NormalContact, NormalError, NormalSolver, Prescribed, Progress, apply, dot,
-    restore_load,
+    Flexibility, NormalContact, NormalError, NormalSolver, Prescribed, Progress, dot, restore_load,
 };
-use numerics::convolution::{Convolution, Spectrum};
 use numerics::gmres::Preconditioned;
 
 /// Limit of Newton steps.
@@ -219,7 +218,7 @@ impl InteriorPoint {
 /// Linear system of a Newton step.
 struct System<'a> {
     flexibility: &'a mut Flexibility,
-    preconditioner: &'a mut (Convolution, Spectrum),
+    preconditioner: &'a mut Preconditioner,
     field: &'a mut [f64],
     image: &'a mut [f64],
     own: f64,
@@ -235,7 +234,7 @@ impl System<'_> {
         for (at, value) in self.field.iter_mut().enumerate() {
             *value = if touches(at) { x(at) } else { 0.0 };
         }
-        apply(self.preconditioner, self.field, self.image);
+        self.preconditioner.apply(self.field, self.image);
         for (at, out) in out.iter_mut().enumerate() {
             *out = match touches(at) {
                 true => self.image[at],

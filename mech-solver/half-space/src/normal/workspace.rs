@@ -48,7 +48,7 @@ impl Workspace {
         *field(self) = values;
     }
 
-    /// Chooses δ so that Σ z = 0 and adds its part to r and z; returns δ.
+    /// Chooses the change of δ so that Σ z = 0 and adds its part to r and z; returns it.
     pub(super) fn balance(&mut self) -> f64 {
         let approach = -self.step.iter().sum::<f64>() / self.punch.iter().sum::<f64>();
         for (at, flag) in self.in_contact.iter().enumerate() {

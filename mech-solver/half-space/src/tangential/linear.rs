@@ -33,6 +33,7 @@ use crate::slip_operator::SlipOperator;
 use crate::yielding::SliderState;
 use nalgebra::{Matrix3, Vector3};
 use numerics::gmres::Preconditioned;
+use numerics::vector::unit_of;
 
 /// Smallest diagonal in the preconditioner for bounds that fall with the slip.
 const LEAST_DIAGONAL: f64 = 0.1;
@@ -184,17 +185,6 @@ impl Unknowns {
                 .zip(out)
                 .for_each(|(at, value)| *value = factor * f64::from(component[*at]));
         }
-    }
-}
-
-/// The power of two next below the largest of these values. Divided by it, values of any unit fit
-/// single precision; the quotient is exact.
-fn unit_of(values: &[f64]) -> f64 {
-    const EXPONENT: u64 = 0x7ff << 52;
-    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-    match largest.is_normal() {
-        true => f64::from_bits(largest.to_bits() & EXPONENT),
-        false => 1.0,
     }
 }
 
