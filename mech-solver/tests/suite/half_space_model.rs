@@ -50,9 +50,9 @@ fn friction_power_is_that_of_the_forces_at_every_resolution() {
     }
 }
 
-/// Forces under creepage and spin at ten elements per semi-axis, against the limit extrapolated from
-/// twenty and forty. Tolerance: 0.1 % of f N, for the first-order error with the rigid slip taken a
-/// sixth of an element ahead (docs/theory/half-space.md); 0.045 % is seen.
+/// Forces under creepage and spin at ten elements per semi-axis, against the limit extrapolated
+/// from twenty and forty. Tolerance: 0.1 % of f N, for the first-order error with the rigid slip
+/// taken a sixth of an element ahead (docs/theory/half-space.md); 0.045 % is seen.
 #[test]
 fn forces_under_spin() {
     for creepage in [[2e-3, 2e-3, 0.3], [2e-3, 2e-3, -0.3], [0.0, 0.0, 0.3]] {
