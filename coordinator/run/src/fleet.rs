@@ -21,7 +21,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 /// Longest time that a program may take to join or to answer a question.
-pub(crate) const ANSWER: Duration = Duration::from_secs(30);
+const ANSWER: Duration = Duration::from_secs(30);
+
+/// Deadlines of questions that belong to no valid case.
+pub(crate) const QUESTIONS: Deadlines =
+    Deadlines { start: ANSWER, build: ANSWER, solve: ANSWER, heartbeat: ANSWER };
 
 /// Number of topics of a participant, assumed when the limit of open files is checked before
 /// planning.
@@ -37,13 +41,16 @@ pub struct Fleet {
     descriptions: Vec<(Program, Arc<Description>)>,
     /// Groups of participants that were started together.
     waiting: Vec<Peers>,
+    /// Longest waits for the answers to the questions of a plan.
+    deadlines: Deadlines,
     pub(crate) open_files: OpenFiles,
 }
 
 impl Fleet {
     fn new(stays: bool) -> Self {
         let (solvers, open_files) = (LinkedSolvers::default(), OpenFiles::default());
-        Self { stays, solvers, descriptions: Vec::new(), waiting: Vec::new(), open_files }
+        let (descriptions, waiting) = (Vec::new(), Vec::new());
+        Self { stays, solvers, descriptions, waiting, deadlines: QUESTIONS, open_files }
     }
 
     /// Returns a fleet of one run, or of several that each start their participants.
@@ -77,8 +84,8 @@ impl Fleet {
     }
 
     /// Asks the programs of a case for their descriptions, all at the same time. `own` wait for a
-    /// run together. `others` may fail, and leave after the answer. `joining` is the longest time
-    /// to join, and to answer a question of the plan.
+    /// run together. `others` may fail, and leave after the answer. The deadlines hold for these
+    /// and all later questions; joining and each answer may take `start`, 30 s at most.
     ///
     /// # Errors
     /// One of `own` does not start, join or describe itself.
@@ -86,17 +93,17 @@ impl Fleet {
         &mut self,
         own: &[ParticipantSlot],
         others: &[ParticipantSlot],
-        joining: Duration,
+        deadlines: Deadlines,
     ) -> Result<(), RunError> {
-        let joining = joining.min(ANSWER);
+        self.deadlines = Deadlines { start: deadlines.start.min(ANSWER), ..deadlines };
         let is_new = |seat: &&ParticipantSlot| self.description(&seat.program).is_none();
         let asked: Vec<_> = others.iter().filter(is_new).map(slice::from_ref).collect();
         let mut group = None;
         if !own.is_empty() && (self.waiting.is_empty() || own.iter().any(|seat| is_new(&seat))) {
             self.dismiss();
-            group = Some(self.start(own, joining)?);
+            group = Some(self.start(own)?);
         }
-        let asked: Vec<_> = asked.into_iter().map(|seat| self.start(seat, joining)).collect();
+        let asked: Vec<_> = asked.into_iter().map(|seat| self.start(seat)).collect();
         if let Some(peers) = group {
             let peers = self.joined(peers)?;
             self.waiting.push(peers);
@@ -111,11 +118,9 @@ impl Fleet {
     }
 
     /// Starts participants.
-    fn start(&mut self, seats: &[ParticipantSlot], joining: Duration) -> Result<Peers, RunError> {
+    fn start(&mut self, seats: &[ParticipantSlot]) -> Result<Peers, RunError> {
         self.open_files.provide(seats.len(), TOPICS * seats.len(), false)?;
-        let deadlines =
-            Deadlines { start: joining, build: ANSWER, solve: ANSWER, heartbeat: ANSWER };
-        Peers::start(seats, deadlines, None)
+        Peers::start(seats, self.deadlines, None)
     }
 
     /// Waits until participants have joined, and keeps their descriptions. The description of
@@ -180,12 +185,13 @@ impl Fleet {
         if !self.waiting.iter().any(|peers| place(peers).is_some()) {
             let seat =
                 ParticipantSlot { role: role.to_owned(), program: program.clone(), attach: false };
-            let peers = self.start(slice::from_ref(&seat), ANSWER)?;
+            let peers = self.start(slice::from_ref(&seat))?;
             let peers = self.joined(peers)?;
             self.waiting.push(peers);
         }
         let found = self.waiting.iter_mut().find_map(|peers| place(peers).map(|at| (peers, at)));
         let (peers, at) = found.expect("started above");
+        peers.set_deadlines(self.deadlines);
         peers.phase = Phase::Configuring;
         let answer = question(peers, at.into());
         if !matches!(answer, Ok(_) | Err(RunError::Refused { .. })) {
@@ -247,7 +253,7 @@ pub fn described(seats: &[ParticipantSlot]) -> Result<Vec<Description>, RunError
         return Err(RunError::NoProgram { role, program });
     }
     let mut fleet = Fleet::for_one_run();
-    fleet.describe(seats, &[], ANSWER)?;
+    fleet.describe(seats, &[], QUESTIONS)?;
     let found = seats.iter().filter_map(|seat| fleet.description(&seat.program));
     Ok(found.map(|found| Description::clone(found)).collect())
 }

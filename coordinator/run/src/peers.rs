@@ -170,6 +170,11 @@ impl Peers {
         self.held_memory
     }
 
+    /// Sets the limits of the waits from now on.
+    pub(crate) fn set_deadlines(&mut self, deadlines: Deadlines) {
+        self.deadlines = deadlines;
+    }
+
     /// Attaches the participants to another run.
     #[must_use]
     pub(crate) fn for_run(self, deadlines: Deadlines, recorder: Option<Arc<Recorder>>) -> Self {

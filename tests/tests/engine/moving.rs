@@ -227,7 +227,13 @@ fn a_grid_may_grow_in_every_window() {
 fn adaptive_windows_keep_to_the_accepted_grid() {
     for (motion, _) in MOTIONS {
         let motion = format!("mover.motion={motion}");
-        let set = [&motion, "time.control=adaptive", "time.tolerance=1e-2", "plate.direct=true"];
+        let set = [
+            &motion,
+            "time.control=adaptive",
+            "time.tolerance=1e-2",
+            "plate.direct=true",
+            "plate.resolution=19",
+        ];
         let (_, summary) = run(&set);
         assert_eq!(number(&summary, "/plate/largest_error"), 0.0, "{motion}");
         let windows = number(&summary, "/coupling/windows");

@@ -1,6 +1,7 @@
 //! Files of results: fields on the centre line, series, histories, and the summary.
 
-use crate::harness::{Place, case};
+use crate::harness::{Place, case, completed};
+use tests::harness::field;
 
 /// Figs. 5 to 7 of the paper: traction along the centre line, at the bound f p in the slip zone at
 /// the trailing edge, and below it in the stick zone, where there is no slip.
@@ -67,6 +68,26 @@ fn every_window_leaves_its_figures() {
     let rise = history.numbers("temperature.rail.max_rise_k");
     // The rise increases until the field is steady; later changes are rounding.
     assert!(rise[..15].is_sorted() && rise[0] < 0.5 * rise[50], "{rise:?}");
+}
+
+/// Every third window and the last one leave fields, with time and values of that window: the toys
+/// count.
+#[test]
+fn fields_are_those_of_the_window_that_names_them() {
+    let settings = ["time.end=8", "output.fields=all", "output.every=3"];
+    let (place, _) = completed("exchange.toml", &settings);
+    let folder = place.out().join("fields");
+    let series = std::fs::read_to_string(folder.join("left_numbers.pvd")).unwrap();
+    let windows = [2_u32, 5, 7];
+    assert_eq!(series.matches("<DataSet").count(), windows.len(), "{series}");
+    for window in windows {
+        let file = format!("left_numbers_{window:06}.vti");
+        let entry = format!("timestep=\"{}e0\" file=\"{file}\"", window + 1);
+        assert!(series.contains(&entry), "`{entry}` is missing in {series}");
+        // Each participant adds one to what it received, twice in a window.
+        let values = field(&folder.join(file), "left_value");
+        assert_eq!(values, vec![f64::from(2 * window + 1); 1000]);
+    }
 }
 
 /// A participant that describes no figures is not asked for any.

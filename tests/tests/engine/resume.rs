@@ -162,7 +162,7 @@ fn a_moving_grid_survives(motion: &str, scheme: &str, (direct, interpolation): (
         &interpolation,
         "moving.gain=0.1",
         "time.end=24",
-        "plate.resolution=160",
+        "plate.resolution=40",
         "output.fields=all",
         "output.every=3",
         "output.checkpoint_every=2",

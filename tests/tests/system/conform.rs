@@ -88,9 +88,18 @@ fn the_mechanical_solver_conforms_with_every_model() {
     ours_conform("mech", "wheel-rail.toml", &options, &[], 10);
 }
 
-// Mechanics that read temperatures: models whose friction depends on them.
-table_of_tests! { ours_conform:
-    the_mechanical_solver_conforms_in_a_loop("mech", "falling-friction.toml", &COARSE, &["heat-received", "volumes"], 6);
+/// Mechanics that read temperatures: models whose friction depends on them. One model goes through
+/// all checks.
+#[test]
+fn the_mechanical_solver_conforms_in_a_loop() {
+    let name = "falling-friction.toml";
+    let quick = [&COARSE[..], &["--quick"]].concat();
+    let steady = ["heat-received", "other-end", "no-duration", "volumes"];
+    ours_conform("mech", name, &quick, &steady, 1);
+    let of_inputs = ["missing-sample", "wrong-sample", "not-finite"];
+    let only = OF_MODELS.iter().chain(&of_inputs).flat_map(|check| ["--only", *check]);
+    let options: Vec<&str> = COARSE.into_iter().chain(only).collect();
+    ours_conform("mech", name, &options, &[], 6);
 }
 
 /// A fixed volume, and one that moves in every window.
@@ -160,21 +169,20 @@ pub(crate) fn counted(folder: &std::path::Path, program: &[String]) -> Vec<Strin
     ["sh", "-c", &script, "sh"].map(str::to_owned).to_vec()
 }
 
-/// Checks on the largest grids of the contract; those of every model are in the target `nightly`.
-const OF_LARGE_GRIDS: [&str; 3] = ["growing-grids", "heart", "coordinator-dies"];
+/// Further checks that concern the state of a model.
+const OF_STATES: [&str; 7] =
+    ["heat-received", "other-end", "no-duration", "accept", "observe", "damaged-state", "reuse"];
 
 /// The thermal solver passes with every model. Checks share processes, and `--quick` tests one
-/// model on small grids, with all checks.
+/// model on small grids, with all checks; those of every model are in the target `nightly`.
 #[test]
 fn the_thermal_solver_conforms_with_every_model_in_few_processes() {
     let folder = tempfile::tempdir().unwrap();
     let command = counted(folder.path(), &["thermal-solver".to_owned()]);
     let names = check_names();
-    let small = names.iter().filter(|name| !OF_LARGE_GRIDS.contains(&name.as_str()));
-    let small: Vec<&str> = small.flat_map(|name| ["--only", name]).collect();
-    let options = [&COARSE[..], &small].concat();
-    let conforms =
-        assert_conforms("thermal", &case("wheel-rail.toml"), (&options, &command), &["volumes"]);
+    let only = OF_MODELS.iter().chain(&OF_STATES).flat_map(|check| ["--only", *check]);
+    let options: Vec<&str> = COARSE.into_iter().chain(only).collect();
+    let conforms = assert_conforms("thermal", &case("wheel-rail.toml"), (&options, &command), &[]);
     assert_eq!(conforms, 7);
     let starts = || {
         let count = std::fs::read_to_string(folder.path().join("count")).unwrap();

@@ -7,7 +7,7 @@ use crate::harness::{Place, case, sets};
 const FAULTS: [(&str, &str); 9] = [
     ("exit", "its process ended with exit code 3"),
     ("busy", "its heartbeat is still received; raise coupling."),
-    ("silent", "no heartbeat for "),
+    ("silent", "no heartbeat for 1."),
     ("lost-reply", "its reply did not arrive"),
     ("failed", "on purpose"),
     ("refused", "on purpose"),

@@ -13,7 +13,7 @@ use super::threads;
 use super::volume;
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
-use crate::fleet::{ANSWER, Fleet};
+use crate::fleet::{Fleet, QUESTIONS};
 use crate::format::number;
 use crate::peers::ParticipantSlot;
 use crate::program::Program;
@@ -49,7 +49,7 @@ pub fn plan(raw: RawCase, fleet: &mut Fleet) -> Result<Planned, RunError> {
     let sections = raw.participants();
     let own = own(&raw, &sections, fleet)?;
     let (absent, replaced) = (absent(&sections, fleet), replaced(&sections));
-    fleet.describe(&own, &[&absent[..], &replaced].concat(), joining(&raw))?;
+    fleet.describe(&own, &[&absent[..], &replaced].concat(), of_questions(&raw))?;
     let mut described = known(&own, fleet);
     refuse_misplaced(&raw, &sections, &described)?;
     described.extend(known(&absent, fleet));
@@ -63,10 +63,13 @@ pub fn plan(raw: RawCase, fleet: &mut Fleet) -> Result<Planned, RunError> {
     Ok(Planned { case, plan })
 }
 
-/// Returns the time that participants have to join.
-fn joining(raw: &RawCase) -> Duration {
-    let own = check_without_participants(raw);
-    own.map_or(ANSWER, |own| Duration::from_secs_f64(own.coupling.start_deadline))
+/// Returns the deadlines of the questions of a plan.
+fn of_questions(raw: &RawCase) -> Deadlines {
+    check_without_participants(raw).map_or(QUESTIONS, |own| Deadlines {
+        start: Duration::from_secs_f64(own.coupling.start_deadline),
+        heartbeat: Duration::from_secs_f64(own.coupling.heartbeat_deadline),
+        ..QUESTIONS
+    })
 }
 
 /// Returns the seat of a program that is asked.

@@ -118,8 +118,8 @@ fn linear_functions_are_exact() {
         (0.16, line(14), line(23)),
         (0.19, scattered(150, 1, |p| p), scattered(90, 2, |p| p)),
         (0.11, jittered(9, 14, [1.0, 1.0], 0.5, 1), jittered(17, 5, [0.9, 0.9], 0.5, 2)),
-        (0.02, lifted(50, 0.0, tilted), lifted(30, 0.0, tilted)),
-        (0.07, scattered(2500, 3, |p| p), scattered(90, 4, |p| p)),
+        (0.02, lifted(46, 0.0, tilted), lifted(30, 0.0, tilted)),
+        (0.07, scattered(2100, 3, |p| p), scattered(90, 4, |p| p)),
         (1.0, cloud(vec![[0.2; 3]]), cloud(vec![[0.2; 3], [0.2, 0.2, 0.2 + 1e-12]])),
     ];
     for (spacing, source, target) in pairs {
@@ -161,12 +161,13 @@ fn errors_fall_with_the_mesh() {
         (Basis::VolumeSplines, 0.0, 1.9),
     ];
     for (basis, radius, least) in orders {
-        let errors = [20, 40, 56, 112].map(|n: usize| {
-            let m = (1.37 * n as f64) as usize;
+        let errors = [20, 40, 45, 64].map(|n: usize| {
+            // Fewer places than points: rows take most time.
+            let m = (0.73 * n as f64) as usize;
             rms(&square(n), &rectangle([0.0; 2], [1.0; 2], m, m - 3), method(basis, radius))
         });
         let order = |a: usize, b: usize, ratio: f64| (errors[a] / errors[b]).ln() / ratio.ln();
-        let (whole, clusters) = (order(0, 1, 2.0), order(2, 3, 2.0));
+        let (whole, clusters) = (order(0, 1, 2.0), order(2, 3, 64.0 / 45.0));
         println!(
             "{}: {:.1e} {:.1e} {:.1e} {:.1e} orders {whole:.2} {clusters:.2}",
             basis.word(),
@@ -183,11 +184,11 @@ fn errors_fall_with_the_mesh() {
 fn pairs() -> Vec<[Grid; 2]> {
     vec![
         [square(12), unstructured(7)],
-        [square(50), square(23)],
-        [square(23), square(50)],
+        [square(46), square(23)],
+        [square(23), square(46)],
         [
             scattered(400, 5, |[x, y, _]| [x, y, x * y]),
-            scattered(2500, 6, |[x, y, _]| [x, y, x * y]),
+            scattered(2100, 6, |[x, y, _]| [x, y, x * y]),
         ],
     ]
 }
@@ -232,7 +233,7 @@ fn the_numbering_of_points_has_no_influence() {
 
 #[test]
 fn a_partition_of_unity_is_smooth_across_its_balls() {
-    let source = square(44);
+    let source = square(30);
     let prepared = Prepared::new(&source).unwrap();
     let count = 2000;
     // A line that is oblique to the balls, in steps of a hundredth of an element.
@@ -299,7 +300,7 @@ fn points_at_the_same_place_are_named() {
 
 #[test]
 fn a_narrow_function_is_refused_with_a_radius_that_works() {
-    for n in [20, 60] {
+    for n in [20, 46] {
         let (source, target) = (square(n), square(37));
         for basis in Basis::ALL.into_iter().filter(|basis| basis.decays()) {
             let built = |radius| {
@@ -335,9 +336,9 @@ fn a_flat_function_is_refused_or_accurate() {
         Basis::Multiquadrics,
         Basis::InverseMultiquadrics,
     ];
-    for (basis, n) in smooth.into_iter().flat_map(|basis| [20, 28, 60].map(|n| (basis, n))) {
+    for (basis, n) in smooth.into_iter().flat_map(|basis| [20, 28, 46].map(|n| (basis, n))) {
         for radius in [0.3, 1.0, 3.0, 10.0, 100.0, 1000.0] {
-            let (source, target) = (square(n), rectangle([0.05; 2], [0.95; 2], 37, 37));
+            let (source, target) = (square(n), rectangle([0.05; 2], [0.95; 2], 19, 19));
             let method = method(basis, radius);
             match GridMapping::between(&source, &target, method, Mapping::Consistent) {
                 Ok(mapping) => {
