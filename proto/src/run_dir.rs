@@ -162,7 +162,8 @@ impl RunDir {
         Ok(CoordinatorWatch { lock: File::open(self.info.folder.join(COORDINATOR_LOCK))? })
     }
 
-    fn release(&self) {
+    /// Releases the locks. For the other members, this process has left the run.
+    pub fn release(&self) {
         for lock in [&self.own, &self.members] {
             let _ = lock.unlock();
         }

@@ -180,7 +180,7 @@ impl Session {
     /// Returns the folder of the run, which is in memory and is removed at the end of the run.
     #[must_use]
     pub fn folder(&self) -> &Path {
-        &self.peers.info().folder
+        &self.peers.run().info().folder
     }
 
     /// Returns whether a grid of the run moves.
