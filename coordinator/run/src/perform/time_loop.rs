@@ -358,8 +358,8 @@ impl<'a> TimeLoop<'a> {
             counts: Counts { bytes_exchanged, ..*self.counts },
             coupling,
             iterate: self.coupling.sent().to_vec(),
-            table_bytes: self.tables.iterations.seal()?,
-            history_bytes: self.tables.history.seal()?,
+            table_bytes: self.tables.iterations.rows.seal()?,
+            history_bytes: self.tables.history.rows.seal()?,
             series: self.fields.series().to_vec(),
             recorded: writing.recorded,
         };

@@ -37,7 +37,7 @@ pub const FILE: &str = "history.csv";
 /// Writer of the table.
 #[derive(Debug)]
 pub struct HistoryTable {
-    rows: Rows,
+    pub(crate) rows: Rows,
     /// Columns with their keys.
     columns: Vec<(String, Column)>,
 }
@@ -120,46 +120,6 @@ impl HistoryTable {
     pub fn row(&mut self, record: &HistoryRecord<'_>) -> Result<(), RunError> {
         let Self { rows, columns } = self;
         rows.add(|out| write_row(out, record, columns))
-    }
-
-    /// Flushes everything to the disk and returns the length of the file \[byte\].
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn seal(&mut self) -> Result<u64, RunError> {
-        self.rows.seal()
-    }
-
-    /// Writes buffered rows to the file and returns its length \[byte\].
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn mark(&mut self) -> Result<u64, RunError> {
-        self.rows.mark()
-    }
-
-    /// Cuts the file to a length and returns the removed rows.
-    ///
-    /// # Errors
-    /// The file cannot be read or cut.
-    pub fn cut(&mut self, bytes: u64) -> Result<Vec<u8>, RunError> {
-        self.rows.cut(bytes)
-    }
-
-    /// Adds rows that were cut.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn append(&mut self, rows: &[u8]) -> Result<(), RunError> {
-        self.rows.append(rows)
-    }
-
-    /// Writes buffered rows to the file.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn flush(&mut self) -> Result<(), RunError> {
-        self.rows.flush()
     }
 }
 
@@ -508,7 +468,7 @@ mod tests {
             };
             table.row(&record).unwrap();
         }
-        table.flush().unwrap();
+        table.rows.flush().unwrap();
         let before = std::fs::read_to_string(&path).unwrap();
         let survey = Survey::read(&path, &figures).unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), before, "reading changes nothing");
