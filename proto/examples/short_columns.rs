@@ -204,8 +204,8 @@ impl Model for Running {
             }
         }
         write_out(&self.trial, outputs);
-        let heat_received = Some(self.grid.integrate(flux));
-        Ok(StepReport { substeps: 1, heat_received, ..StepReport::default() })
+        let received_power = Some(self.grid.integrate(flux));
+        Ok(StepReport { substeps: 1, received_power, ..StepReport::default() })
     }
 
     fn first_outputs(&mut self, outputs: &mut dyn Outputs) {

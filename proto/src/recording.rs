@@ -27,6 +27,7 @@
 mod admit;
 mod chunks;
 mod event;
+mod format_1;
 mod held;
 mod label;
 mod reader;
@@ -44,8 +45,9 @@ use crate::field::{Body, FieldKind, Mapping};
 use crate::message::FieldHeader;
 use serde::{Deserialize, Serialize};
 
-/// Version of the content of the container; raised when a layout below changes.
-pub const FORMAT: u32 = 1;
+/// Version of the content of the container; raised when a layout below changes. The module
+/// `format_1` translates recordings of format 1.
+pub const FORMAT: u32 = 2;
 /// Profile in the container's header.
 pub const PROFILE: &str = "cosim";
 /// Name of the channel of [`Event`]s.
@@ -150,7 +152,7 @@ pub enum RecordingError {
     #[error("the recording is damaged: {0}")]
     Content(String),
     /// The program that wrote the recording is too new or too old.
-    #[error("the recording has format {found}; this program reads format {FORMAT}")]
+    #[error("the recording has format {found}; this program reads formats 1 to {FORMAT}")]
     Format {
         /// Format of the recording.
         found: u32,

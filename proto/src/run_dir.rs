@@ -162,7 +162,8 @@ impl RunDir {
         Ok(CoordinatorWatch { lock: File::open(self.info.folder.join(COORDINATOR_LOCK))? })
     }
 
-    fn release(&self) {
+    /// Releases the locks. For the other members, this process has left the run.
+    pub fn release(&self) {
         for lock in [&self.own, &self.members] {
             let _ = lock.unlock();
         }
@@ -209,14 +210,13 @@ pub fn free_shared_memory() -> u64 {
     rustix::fs::statvfs(SHARED_MEMORY).map_or(u64::MAX, |s| s.f_bavail.saturating_mul(s.f_frsize))
 }
 
-/// Returns the peak resident memory of this process since its start or the last reset [byte]; 0 if
-/// unknown.
+/// Returns the peak resident memory of this process since its start or the last reset [byte], if
+/// known.
 #[must_use]
-pub fn peak_resident_memory() -> u64 {
-    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    let kib = line.and_then(|l| l.split_whitespace().next()).and_then(|n| n.parse::<u64>().ok());
-    kib.unwrap_or(0) * 1024
+pub fn peak_resident_memory() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
 }
 
 /// Resets [`peak_resident_memory`], if the system supports it (`proc_pid_clear_refs(5)`).
@@ -336,7 +336,7 @@ mod tests {
     #[test]
     fn memory_figures_are_plausible() {
         assert!(free_shared_memory() > 0);
-        assert!(peak_resident_memory() > 100_000);
+        assert!(peak_resident_memory().unwrap() > 100_000);
         let before = processor_seconds();
         assert!(before > 0.0 && processor_seconds() >= before);
     }

@@ -83,7 +83,7 @@ unsafe impl Header for Command {
 }
 // SAFETY: as above.
 unsafe impl Header for Reply {
-    const LAYOUT: &'static str = "cosim.Reply.v2";
+    const LAYOUT: &'static str = "cosim.Reply.v3";
 }
 // SAFETY: as above.
 unsafe impl Header for FieldHeader {

@@ -372,7 +372,7 @@ impl Model for LumpedModel {
                 let place = outputs.get(&BODY_TEMPERATURE);
                 place.ok_or_else(|| missing(&BODY_TEMPERATURE))?.fill(self.trial.temperature);
                 let mean = self.trial.in_window / step.duration();
-                report.heat_received = self.setup.reported.map(|part| part * mean);
+                report.received_power = self.setup.reported.map(|part| part * mean);
             }
         }
         Ok(report)

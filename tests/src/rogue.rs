@@ -6,7 +6,10 @@ use proto::configuration::{Configuration, FieldOnGrid, Layout};
 use proto::description::Description;
 use proto::field::GEOMETRY;
 use proto::grid::{Grid, Structured};
-use proto::message::{Command, CommandKind, FieldHeader, Finished, Label, Reply, Status, Topics};
+use proto::message::{
+    Command, CommandKind, FieldHeader, Finished, Label, RECEIVED_POWER, Reply, Status, Topics,
+    WANTED_WINDOW,
+};
 use proto::model::Solver;
 use proto::run_dir::RunDir;
 use proto::transport::{
@@ -184,13 +187,19 @@ impl Rogue {
             reply.sequence -= 1;
         }
         let at = |fault: &str| self.is_at(command, fault);
+        let wish = |reply: &mut Reply, window| {
+            (reply.wanted_window, reply.present) = (window, WANTED_WINDOW);
+        };
+        let power = |reply: &mut Reply, power| {
+            (reply.received_power, reply.present) = (power, RECEIVED_POWER);
+        };
         match () {
             () if at("time-is-no-number") => reply.model_seconds = f64::NAN,
             () if at("negative-time") => reply.model_seconds = -1e-9,
-            () if at("negative-wish") => reply.wanted_window = -1.0,
-            () if at("endless-wish") => reply.wanted_window = f64::INFINITY,
-            () if at("infinite-heat") => reply.heat_received = f64::NEG_INFINITY,
-            () if at("heat-once") => reply.heat_received = 0.0,
+            () if at("negative-wish") => wish(&mut reply, -1.0),
+            () if at("endless-wish") => wish(&mut reply, f64::INFINITY),
+            () if at("infinite-power") => power(&mut reply, f64::NEG_INFINITY),
+            () if at("power-once") => power(&mut reply, 0.0),
             () => {}
         }
         reply

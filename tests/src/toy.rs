@@ -50,8 +50,8 @@ pub const FAULTS: &[&str] = &[
     "negative-time",
     "negative-wish",
     "endless-wish",
-    "infinite-heat",
-    "heat-once",
+    "infinite-power",
+    "power-once",
     "unannounced",
     "old-revision",
     "falling",
@@ -262,7 +262,7 @@ impl Model for ToyModel {
         self.solves += 1;
         let mut report =
             StepReport { substeps: 1, work: sent.len() as u64, ..StepReport::default() };
-        report.heat_received = at("heat-is-no-number").then_some(f64::NAN);
+        report.received_power = at("heat-is-no-number").then_some(f64::NAN);
         report.wanted_window = at("wish-is-no-number").then_some(f64::NAN);
         Ok(report)
     }

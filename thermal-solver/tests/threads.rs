@@ -24,7 +24,7 @@ fn answers(
         let flux: Vec<f64> =
             (0..grid.points()).map(|i| ((i * (window + 3)) % 17) as f64 * 1e7).collect();
         let report = run.advance(&flux, 3e-5);
-        let heat = report.heat_received.unwrap().to_bits();
+        let heat = report.received_power.unwrap().to_bits();
         all.extend([bits(run.rail()), bits(run.wheel()), vec![report.work, heat]]);
     }
     all

@@ -295,12 +295,12 @@ impl Model for Running {
         }
         self.check_length(step.duration())?;
         self.go_back()?;
-        let heat_received = self.set(inputs)?;
+        let received_power = self.set(inputs)?;
         self.moved = true;
         self.slave.get_mut().step(step.start, step.duration()).map_err(failed)?;
         self.read()?;
         self.write(&self.trial, outputs);
-        Ok(StepReport { substeps: 1, work: 1, heat_received, ..StepReport::default() })
+        Ok(StepReport { substeps: 1, work: 1, received_power, ..StepReport::default() })
     }
 
     fn first_outputs(&mut self, outputs: &mut dyn Outputs) {

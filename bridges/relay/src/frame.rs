@@ -178,9 +178,10 @@ mod tests {
             work: 7,
             substeps: 8,
             inner_iterations: 9,
-            heat_received: -1.5,
+            received_power: -1.5,
             model_seconds: 0.1,
             wanted_window: 2.0,
+            present: 3,
             ..Reply::default()
         };
         let header = FieldHeader {

@@ -157,7 +157,7 @@ const CHECKS: &[&Check] = &[
     &configuration::UNKNOWN_FIELD,
     &solve::INITIALISE,
     &solve::SOLVE,
-    &solve::HEAT,
+    &solve::RECEIVED_POWER,
     &solve::REPEAT,
     &solve::OTHER_END,
     &solve::NO_DURATION,

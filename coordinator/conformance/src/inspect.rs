@@ -254,8 +254,8 @@ pub fn details_text(survey: &RecordingSummary, details: &Details, wanted: &ListF
                 one.iteration,
                 number(one.residual),
                 seconds(one.coupling_seconds),
-                number(one.heat_sent),
-                number(one.heat_received)
+                number(one.sent),
+                number(one.received)
             );
         }
     }

@@ -98,7 +98,7 @@ impl Steps {
     }
 
     /// Writes while the bar steps aside.
-    pub fn aside(&self, write: impl FnOnce()) {
+    pub fn aside<T>(&self, write: impl FnOnce() -> T) -> T {
         match &self.show {
             Show::Bar(bar) => bar.suspend(write),
             Show::Nowhere | Show::Lines(_) | Show::Fed(_) => write(),

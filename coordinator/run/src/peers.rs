@@ -270,16 +270,6 @@ impl Peers {
         }
     }
 
-    /// Ends like a killed coordinator: releases the locks, and leaves ports and files as they are.
-    #[must_use]
-    pub fn abandon(self, mut guard: ProcessGuard) -> (Arc<Supervisor>, RunInfo) {
-        guard.0 = None;
-        let Self { supervisor, all, doorbell, endpoint, run, .. } = self;
-        // A killed process does not close its ports in order, so leak them deliberately.
-        std::mem::forget((all, doorbell, endpoint));
-        (supervisor, run.info().clone())
-    }
-
     /// Returns the guard that ends the processes before other ports in the run close.
     #[must_use]
     pub fn process_guard(&self) -> ProcessGuard {
@@ -298,10 +288,10 @@ impl Peers {
         &self.all
     }
 
-    /// Returns the description of the run.
+    /// Returns the folder and the locks of the run.
     #[must_use]
-    pub fn info(&self) -> &RunInfo {
-        self.run.info()
+    pub fn run(&self) -> &RunDir {
+        &self.run
     }
 
     /// Returns the services of the run.

@@ -96,9 +96,9 @@ impl Session {
     }
 
     /// Returns the figures that the participants gave for the last accepted window, in the order of
-    /// the plan; NaN for a missing one.
+    /// the plan; `None` for a missing one.
     #[must_use]
-    pub fn figures(&self) -> &[f64] {
+    pub fn figures(&self) -> &[Option<f64>] {
         self.figures.values()
     }
 
@@ -180,7 +180,7 @@ impl Session {
     /// Returns the folder of the run, which is in memory and is removed at the end of the run.
     #[must_use]
     pub fn folder(&self) -> &Path {
-        &self.peers.info().folder
+        &self.peers.run().info().folder
     }
 
     /// Returns whether a grid of the run moves.

@@ -15,6 +15,7 @@ use crate::study::finished::FinishedRuns;
 use crate::study::output::{Printing, StudyFile, StudyPage};
 
 use crate::study::runner::Runner;
+use crate::study::variants::Variants;
 use clap::Args;
 use console::case_arguments::CaseArguments;
 use console::command::{Command, Context, Group};
@@ -50,9 +51,9 @@ impl Command for AblateCommand {
         let name = format!("{}-ablate", standing.plan.name);
         let folder = self.folder.choose(Study::COMMAND, &name, &|folder| none.are_in(folder))?;
         let printing = Printing { json: self.json, quiet: context.quiet };
-        let mut runner = Runner::new(&self.of.case, &self.folder, bench, printing.is_silent())?
+        let variants = Variants { repeat: self.times.repeat, ..Variants::of(&self.of.case) };
+        let mut runner = Runner::new(variants, &self.folder, bench, printing.is_silent())?
             .keep_finished(none, &folder)?;
-        runner.repeat = self.times.repeat;
         let study = study(&self.of, &standing, &mut runner)?;
         study.publish(&folder)?;
         runner.complete()?;

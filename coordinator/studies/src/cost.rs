@@ -29,6 +29,7 @@ use crate::study::folder::StudyFolder;
 use crate::study::output::{Printing, StudyFile, StudyPage};
 
 use crate::study::runner::Runner;
+use crate::study::variants::Variants;
 use clap::Args;
 use console::case_arguments::CaseArguments;
 use console::command::{Command, Context, Group};
@@ -80,9 +81,10 @@ impl Command for CostCommand {
         let name = format!("{}-cost", standing.plan.name);
         let folder = self.folder.choose(Study::COMMAND, &name, &|folder| none.are_in(folder))?;
         let printing = Printing { json: self.json, quiet: context.quiet };
-        let mut runner = Runner::new(&self.of.case, &self.folder, bench, printing.is_silent())?
+        let Request { repeat, longest_run, .. } = request;
+        let variants = Variants { repeat, longest_run, ..Variants::of(&self.of.case) };
+        let mut runner = Runner::new(variants, &self.folder, bench, printing.is_silent())?
             .keep_finished(none, &folder)?;
-        (runner.repeat, runner.longest_run) = (request.repeat, request.longest_run);
         let swept = sweep::sweep(&request, &standing, &mut runner)?;
         let study = analysis::study(&request, swept)?;
         write(&study, &folder)?;

@@ -24,7 +24,7 @@ mod values;
 
 pub(crate) use perform::Record;
 
-use crate::study::arguments::StudyArguments;
+use crate::study::arguments::{JobsArguments, StudyArguments};
 use crate::study::output::{StudyFile, StudyPage};
 use clap::Args;
 use console::command::{Command, Context, Group};
@@ -41,6 +41,8 @@ pub struct ReproduceCommand {
     /// File of the study: its cases, tables, figures and text.
     #[arg(default_value = "cases/paper/study.toml")]
     study: PathBuf,
+    #[command(flatten)]
+    jobs: JobsArguments,
     #[command(flatten)]
     folder: StudyArguments,
     /// Also write the text to this file, with its plots in img/NAME beside it.
@@ -62,6 +64,7 @@ impl Command for ReproduceCommand {
         let request = Request {
             study: &self.study,
             folder: &self.folder,
+            jobs: self.jobs.jobs.into(),
             write: self.write.as_deref(),
             check: self.check.as_deref(),
         };
@@ -78,6 +81,8 @@ pub(crate) struct Request<'a> {
     pub study: &'a Path,
     /// Folder for the runs, the text and the plots.
     pub folder: &'a StudyArguments,
+    /// Number of runs at a time.
+    pub jobs: usize,
     /// Additional file for the text; its plots go into `img/NAME` beside it.
     pub write: Option<&'a Path>,
     /// Earlier text, with its plots, to compare with the new one.
@@ -97,7 +102,7 @@ pub(crate) fn reproduce(request: &Request, speaker: &mut Speaker) -> Result<(), 
     let mut bench = request.folder.bench();
     let runs = perform::rehearse(&study, file, &mut bench)?;
     let folder = request.folder.choose(Record::COMMAND, &study.name, &Record::is_unfinished)?;
-    let record = perform::run_all(&study, file, &runs, &folder, &mut bench, speaker)?;
+    let record = perform::run_all(request, &study, &runs, &folder, bench, speaker)?;
     let out = folder.open()?;
     let rendered = Rendered::of(&record, &out)?;
     rendered.write(&out.join(render::TEXT), "img")?;

@@ -14,6 +14,7 @@ use crate::study::quantity::{Quantities, Quantity};
 use crate::study::refuse_unread;
 use crate::study::runner::{Outcome, Point, Runner};
 use crate::study::table::{Cell, Column, Table};
+use crate::study::variants::Variants;
 use clap::Args;
 use console::case_arguments::CaseArguments;
 use console::command::{Command, Context, Group};
@@ -68,8 +69,9 @@ impl Command for StatesCommand {
         let name = format!("{}-states", standing.plan.name);
         let folder = self.folder.choose(Study::COMMAND, &name, &|folder| none.are_in(folder))?;
         let printing = Printing { json: self.json, quiet: context.quiet };
-        let mut runner = Runner::new(case, &self.folder, bench, printing.is_silent())?
-            .keep_finished(none, &folder)?;
+        let mut runner =
+            Runner::new(Variants::of(case), &self.folder, bench, printing.is_silent())?
+                .keep_finished(none, &folder)?;
         let study = self.study(&standing, &starts, &mut runner)?;
         study.publish(&folder)?;
         runner.complete()?;

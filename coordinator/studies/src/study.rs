@@ -25,6 +25,7 @@ pub mod richardson;
 pub(crate) mod runner;
 pub mod spent;
 pub mod table;
+pub(crate) mod variants;
 
 use run::error::RunError;
 use run::plan::{Plan, Planned};

@@ -26,6 +26,7 @@ use crate::study::folder::StudyFolder;
 use crate::study::output::{Printing, StudyFile, StudyPage};
 use crate::study::quantity::Quantities;
 use crate::study::runner::{Point, Runner};
+use crate::study::variants::Variants;
 use crate::study::{expected_run_seconds, refuse_unread};
 use clap::Args;
 use collect::earlier;
@@ -231,7 +232,7 @@ fn run_here(
     quiet: bool,
 ) -> Result<(), RunError> {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let mut runner = Runner::new(&asked.of.case, &asked.folder, bench, quiet)?;
+    let mut runner = Runner::new(Variants::of(&asked.of.case), &asked.folder, bench, quiet)?;
     runner.jobs = asked.jobs.map_or_else(cores, usize::from);
     let study = &sweep.study;
     let missing: Vec<Vec<usize>> = study.missing().into_iter().map(|n| study.point(n)).collect();

@@ -501,7 +501,7 @@ fn table_row(iteration: &Iteration) -> String {
     let Iteration { window, iteration: number, start, end, .. } = iteration;
     let mut row = format!("{window},{number},{start:e},{end:e},{}", cell(iteration.residual));
     iteration.residuals.iter().for_each(|(_, value)| row += &format!(",{value:e}"));
-    let [sent, received] = [iteration.heat_sent, iteration.heat_received].map(cell);
+    let [sent, received] = [iteration.sent, iteration.received].map(cell);
     row += &format!(",{:e},{sent},{received}", iteration.coupling_seconds);
     iteration.model_seconds.iter().for_each(|seconds| row += &format!(",{seconds:e},"));
     row + "\n"

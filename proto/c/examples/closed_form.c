@@ -326,7 +326,8 @@ static int solve(void *user, const cosim_step *step, const cosim_inputs *inputs,
     }
     write_surfaces(cf, field, outputs);
     report->substeps = 1;
-    report->heat_received = heat * cf->grid.step_j[1];
+    report->present = COSIM_RECEIVED_POWER;
+    report->received_power = heat * cf->grid.step_j[1];
     return COSIM_OK;
 }
 

@@ -169,7 +169,8 @@ static int solve(void *user, const cosim_step *step, const cosim_inputs *inputs,
         }
     }
     report->substeps = 1;
-    report->heat_received = heat * c->grid.step_i[0] * c->grid.step_j[1];
+    report->present = COSIM_RECEIVED_POWER;
+    report->received_power = heat * c->grid.step_i[0] * c->grid.step_j[1];
     return write_out(c, c->trial, outputs);
 }
 

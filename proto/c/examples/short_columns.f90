@@ -206,7 +206,8 @@ contains
          end do
       end do
       report%substeps = 1
-      report%heat_received = sum(power)*c%grid%step_i(1)*c%grid%step_j(2)
+      report%present = COSIM_RECEIVED_POWER
+      report%received_power = sum(power)*c%grid%step_i(1)*c%grid%step_j(2)
       status = write_out(c, c%trial, outputs)
    end function
 

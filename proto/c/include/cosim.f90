@@ -11,7 +11,8 @@ module cosim
    integer(c_int), parameter :: COSIM_UPPER = 0, COSIM_LOWER = 1
    integer(c_int), parameter :: COSIM_OK = 0, COSIM_REFUSED = 1, COSIM_FAILED = 2
    integer(c_int), parameter :: COSIM_STRUCTURED = 1, COSIM_QUADRILATERALS = 2, COSIM_VERTICES = 3
-   integer(c_int32_t), parameter :: COSIM_VERSION = 3
+   integer(c_int32_t), parameter :: COSIM_RECEIVED_POWER = 1, COSIM_WANTED_WINDOW = 2
+   integer(c_int32_t), parameter :: COSIM_VERSION = 4
 
    type, bind(c) :: cosim_step
       integer(c_int64_t) :: window
@@ -22,7 +23,8 @@ module cosim
    type, bind(c) :: cosim_report
       integer(c_int32_t) :: substeps, inner_iterations
       integer(c_int64_t) :: work
-      real(c_double) :: heat_received, wanted_window
+      integer(c_int32_t) :: present
+      real(c_double) :: received_power, wanted_window
    end type
 
    type, bind(c) :: cosim_grid

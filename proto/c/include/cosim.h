@@ -64,7 +64,17 @@
 /**
  * Version of this interface; raised when programs must be changed, not only recompiled.
  */
-#define COSIM_VERSION 3
+#define COSIM_VERSION 4
+
+/**
+ * Flag of cosim_report.present: the program reports the power that it receives.
+ */
+#define COSIM_RECEIVED_POWER 1
+
+/**
+ * Flag of cosim_report.present: the program limits the window.
+ */
+#define COSIM_WANTED_WINDOW 2
 
 /**
  * Kind of a volume: ni x nj x nk boxes between the nodes of three axes.
@@ -135,7 +145,7 @@ typedef struct cosim_step {
 } cosim_step;
 
 /**
- * Report of a solve, besides its outputs. The library initialises all members to 0 or NAN.
+ * Report of a solve, besides its outputs. The library initialises all members to 0.
  */
 typedef struct cosim_report {
     /**
@@ -151,13 +161,18 @@ typedef struct cosim_report {
      */
     uint64_t work;
     /**
-     * Mean power received through conservative inputs over the window [W]; the coordinator
-     * compares it with the power sent. NAN for a program that receives none.
+     * Any of COSIM_RECEIVED_POWER and COSIM_WANTED_WINDOW: the quantities that the program
+     * reports.
      */
-    double heat_received;
+    uint32_t present;
+    /**
+     * Mean power received through conservative inputs over the window [W]; the coordinator
+     * compares it with the power sent.
+     */
+    double received_power;
     /**
      * Longest window that the program accepts from the start of this one [s], limited by an event
-     * or by accuracy. Adaptive windows respect a shorter value. NAN without a limit.
+     * or by accuracy. Adaptive windows respect a shorter value.
      */
     double wanted_window;
 } cosim_report;

@@ -9,7 +9,13 @@ use std::ffi::{c_char, c_int, c_void};
 use std::mem::MaybeUninit;
 
 /// Version of this interface; raised when programs must be changed, not only recompiled.
-pub const COSIM_VERSION: u32 = 3;
+pub const COSIM_VERSION: u32 = 4;
+
+/// Flag of cosim_report.present: the program reports the power that it receives.
+pub const COSIM_RECEIVED_POWER: u32 = 1;
+
+/// Flag of cosim_report.present: the program limits the window.
+pub const COSIM_WANTED_WINDOW: u32 = 2;
 
 /// Smallest size of the table in this version [byte].
 const FIRST_SIZE: usize = size_of::<CosimSolver>();
@@ -35,7 +41,7 @@ impl From<&Step> for CosimStep {
     }
 }
 
-/// Report of a solve, besides its outputs. The library initialises all members to 0 or NAN.
+/// Report of a solve, besides its outputs. The library initialises all members to 0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CosimReport {
@@ -45,11 +51,14 @@ pub struct CosimReport {
     pub inner_iterations: u32,
     /// Number of elementary operations, in the program's own unit.
     pub work: u64,
+    /// Any of COSIM_RECEIVED_POWER and COSIM_WANTED_WINDOW: the quantities that the program
+    /// reports.
+    pub present: u32,
     /// Mean power received through conservative inputs over the window [W]; the coordinator
-    /// compares it with the power sent. NAN for a program that receives none.
-    pub heat_received: f64,
+    /// compares it with the power sent.
+    pub received_power: f64,
     /// Longest window that the program accepts from the start of this one [s], limited by an event
-    /// or by accuracy. Adaptive windows respect a shorter value. NAN without a limit.
+    /// or by accuracy. Adaptive windows respect a shorter value.
     pub wanted_window: f64,
 }
 
@@ -58,20 +67,21 @@ impl CosimReport {
         substeps: 0,
         inner_iterations: 0,
         work: 0,
-        heat_received: f64::NAN,
-        wanted_window: f64::NAN,
+        present: 0,
+        received_power: 0.0,
+        wanted_window: 0.0,
     };
 }
 
 impl From<CosimReport> for StepReport {
     fn from(report: CosimReport) -> Self {
-        let said = |value: f64| (!value.is_nan()).then_some(value);
+        let reported = |flag, value| (report.present & flag != 0).then_some(value);
         Self {
             substeps: report.substeps,
             inner_iterations: report.inner_iterations,
             work: report.work,
-            heat_received: said(report.heat_received),
-            wanted_window: said(report.wanted_window),
+            received_power: reported(COSIM_RECEIVED_POWER, report.received_power),
+            wanted_window: reported(COSIM_WANTED_WINDOW, report.wanted_window),
         }
     }
 }
@@ -256,8 +266,12 @@ mod tests {
     fn what_a_report_does_not_say_is_absent() {
         let nothing = StepReport::from(CosimReport::EMPTY);
         assert_eq!(nothing, StepReport::default());
-        let report = CosimReport { heat_received: 0.0, wanted_window: 2.0, ..CosimReport::EMPTY };
-        let report = StepReport::from(report);
-        assert_eq!((report.heat_received, report.wanted_window), (Some(0.0), Some(2.0)));
+        let report = |present| {
+            let report = CosimReport { present, wanted_window: 2.0, ..CosimReport::EMPTY };
+            let report = StepReport::from(report);
+            (report.received_power, report.wanted_window)
+        };
+        assert_eq!(report(COSIM_RECEIVED_POWER), (Some(0.0), None));
+        assert_eq!(report(COSIM_RECEIVED_POWER | COSIM_WANTED_WINDOW), (Some(0.0), Some(2.0)));
     }
 }

@@ -51,4 +51,4 @@ pub mod text;
 mod words;
 
 /// Version of the contract; raised when a layout, a command or the meaning of a key changes.
-pub const PROTOCOL_VERSION: u32 = 6;
+pub const PROTOCOL_VERSION: u32 = 7;

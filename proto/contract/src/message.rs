@@ -74,7 +74,7 @@ pub enum CommandKind {
     /// Makes the last solve the accepted state. With [`OBSERVE`], the participant publishes the
     /// observed fields on the grids of that solve. Then it publishes the geometry of every grid of
     /// [`Topics::geometry`] that has moved. With [`FIGURES`], the reply's body holds the figures of
-    /// [`Topics::figures`] as little-endian doubles; NaN marks a figure that does not exist.
+    /// [`Topics::figures`], see [`write_figures`].
     Accept = 6,
     /// Writes the accepted state to the file `path`. Body: [`StateFile`].
     Save = 7,
@@ -236,13 +236,24 @@ pub struct Reply {
     pub substeps: u32,
     /// Number of inner iterations of the solve.
     pub inner_iterations: u32,
-    /// Mean power received through conservative inputs [W]; NaN if the model receives none.
-    pub heat_received: f64,
+    /// Mean power received through conservative inputs [W]; valid with [`RECEIVED_POWER`].
+    pub received_power: f64,
     /// Seconds spent in the model.
     pub model_seconds: f64,
-    /// Longest window that the model accepts from the start of this one [s]; 0 without a limit.
+    /// Longest window that the model accepts from the start of this one [s]; valid with
+    /// [`WANTED_WINDOW`].
     pub wanted_window: f64,
+    /// Any of [`RECEIVED_POWER`] and [`WANTED_WINDOW`]: the quantities that the reply has.
+    pub present: u32,
+    /// Always 0.
+    pub reserved: u32,
 }
+
+/// Flag of [`Reply::present`]: the model reports the power that it receives.
+pub const RECEIVED_POWER: u32 = 1;
+
+/// Flag of [`Reply::present`]: the model limits the window.
+pub const WANTED_WINDOW: u32 = 2;
 
 impl Reply {
     /// Returns a reply to the command with this sequence number.
@@ -252,22 +263,35 @@ impl Reply {
             protocol: crate::PROTOCOL_VERSION,
             status: status as u32,
             sequence,
-            heat_received: f64::NAN,
             ..Self::default()
         }
+    }
+
+    /// Returns the mean power received through conservative inputs [W], if the model reports it.
+    #[must_use]
+    pub fn received_power(&self) -> Option<f64> {
+        (self.present & RECEIVED_POWER != 0).then_some(self.received_power)
+    }
+
+    /// Returns the longest window that the model accepts from the start of this one [s], if it
+    /// limits the window.
+    #[must_use]
+    pub fn wanted_window(&self) -> Option<f64> {
+        (self.present & WANTED_WINDOW != 0).then_some(self.wanted_window)
     }
 
     /// Describes the first invalid quantity of a solve, if any.
     #[must_use]
     pub fn fault(&self) -> Option<String> {
-        let times = [("model_seconds", self.model_seconds), ("wanted_window", self.wanted_window)];
+        let times =
+            [("model_seconds", Some(self.model_seconds)), ("wanted_window", self.wanted_window())];
         for (name, seconds) in times {
-            if !(seconds.is_finite() && seconds >= 0.0) {
+            if let Some(seconds) = seconds.filter(|s| !(s.is_finite() && *s >= 0.0)) {
                 return Some(format!("{name} is {seconds} s"));
             }
         }
-        let infinite = self.heat_received.is_infinite();
-        infinite.then(|| "heat_received is infinite (NaN means none)".to_owned())
+        let power = self.received_power().filter(|power| !power.is_finite())?;
+        Some(format!("received_power is {power} W"))
     }
 
     /// Adds the report of a solve.
@@ -276,10 +300,47 @@ impl Reply {
         self.work = report.work;
         self.substeps = report.substeps;
         self.inner_iterations = report.inner_iterations;
-        self.heat_received = report.heat_received.unwrap_or(f64::NAN);
-        self.wanted_window = report.wanted_window.unwrap_or(0.0);
+        self.received_power = report.received_power.unwrap_or_default();
+        self.wanted_window = report.wanted_window.unwrap_or_default();
+        self.present = report.received_power.map_or(0, |_| RECEIVED_POWER)
+            | report.wanted_window.map_or(0, |_| WANTED_WINDOW);
         self
     }
+}
+
+/// Size of a figure in the body of a reply to `Accept` [byte].
+const FIGURE_BYTES: usize = 1 + size_of::<f64>();
+
+/// Returns the body of a reply to `Accept` with [`FIGURES`]: for each figure a byte, 1 if the
+/// figure exists and 0 otherwise, and its value as a little-endian double.
+#[must_use]
+pub fn write_figures(figures: impl IntoIterator<Item = Option<f64>>) -> Vec<u8> {
+    let mut body = Vec::new();
+    for figure in figures {
+        body.push(u8::from(figure.is_some()));
+        body.extend(figure.unwrap_or_default().to_le_bytes());
+    }
+    body
+}
+
+/// Reads the body of a reply to `Accept` with [`FIGURES`] into `figures`.
+///
+/// # Errors
+/// The body does not hold so many figures; describes the difference.
+pub fn read_figures(body: &[u8], figures: &mut [Option<f64>]) -> Result<(), String> {
+    let (found, count) = (body.len(), figures.len());
+    if found != FIGURE_BYTES * count {
+        return Err(format!("it replies with {found} bytes to a request for {count} figures"));
+    }
+    for (figure, bytes) in figures.iter_mut().zip(body.as_chunks::<FIGURE_BYTES>().0) {
+        let [exists, value @ ..] = *bytes;
+        *figure = match exists {
+            0 => None,
+            1 => Some(f64::from_le_bytes(value)),
+            _ => return Err(format!("it marks a figure with {exists} instead of 0 or 1")),
+        };
+    }
+    Ok(())
 }
 
 /// Progress of a participant in its current command, sent with the heartbeat.
@@ -519,11 +580,12 @@ pub struct Finished {
     pub summary: serde_json::Value,
     /// Seconds spent in the model over the run, including its construction.
     pub model_seconds: f64,
-    /// Peak resident memory of the process [byte]; 0 if unknown.
-    pub peak_rss_bytes: u64,
-    /// User and system processor time of the process [s]; 0 if unknown.
-    #[serde(default)]
-    pub cpu_seconds: f64,
+    /// Peak resident memory of the process [byte], if known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub peak_rss_bytes: Option<u64>,
+    /// User and system processor time of the process [s], if known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cpu_seconds: Option<f64>,
 }
 
 #[cfg(test)]
@@ -550,7 +612,7 @@ mod tests {
 
     #[test]
     fn golden_layout_of_reply() {
-        assert_eq!((size_of::<Reply>(), align_of::<Reply>()), (56, 8));
+        assert_eq!((size_of::<Reply>(), align_of::<Reply>()), (64, 8));
         let offsets = [
             offset_of!(Reply, protocol),
             offset_of!(Reply, status),
@@ -558,11 +620,36 @@ mod tests {
             offset_of!(Reply, work),
             offset_of!(Reply, substeps),
             offset_of!(Reply, inner_iterations),
-            offset_of!(Reply, heat_received),
+            offset_of!(Reply, received_power),
             offset_of!(Reply, model_seconds),
             offset_of!(Reply, wanted_window),
+            offset_of!(Reply, present),
+            offset_of!(Reply, reserved),
         ];
-        assert_eq!(offsets, [0, 4, 8, 16, 24, 28, 32, 40, 48]);
+        assert_eq!(offsets, [0, 4, 8, 16, 24, 28, 32, 40, 48, 56, 60]);
+    }
+
+    #[test]
+    fn figures_and_quantities_that_do_not_exist_are_marked() {
+        let figures = [Some(1.5), None, Some(0.0)];
+        let body = write_figures(figures);
+        assert_eq!((body.len(), &body[9..18]), (27, &[0; 9][..]));
+        let mut read = [None; 3];
+        assert_eq!((read_figures(&body, &mut read), read), (Ok(()), figures));
+        assert!(read_figures(&body[1..], &mut read).unwrap_err().contains("26 bytes"));
+        let mut marked = body;
+        marked[0] = 2;
+        assert!(read_figures(&marked, &mut read).unwrap_err().contains("with 2"));
+
+        let report = |received_power, wanted_window| {
+            let report = StepReport { received_power, wanted_window, ..StepReport::default() };
+            let reply = Reply::new(Status::Done, 1).with_report(&report);
+            assert_eq!(reply.fault(), None);
+            (reply.received_power(), reply.wanted_window())
+        };
+        for (power, window) in [(None, None), (Some(0.0), None), (None, Some(2.0))] {
+            assert_eq!(report(power, window), (power, window));
+        }
     }
 
     #[test]

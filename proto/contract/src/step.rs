@@ -35,19 +35,18 @@ pub struct StepReport {
     pub work: u64,
     /// Mean power received through conservative inputs over the window [W]; `None` for a model that
     /// receives none.
-    pub heat_received: Option<f64>,
+    pub received_power: Option<f64>,
     /// Longest window that the model accepts from the start of this one [s], limited by an event or
     /// by accuracy. Adaptive windows respect a value shorter than the window solved.
     pub wanted_window: Option<f64>,
 }
 
 impl StepReport {
-    /// Describes the first invalid quantity, if any. NaN must be caught here, because the reply
-    /// uses NaN for absent quantities.
+    /// Describes the first invalid quantity, if any.
     #[must_use]
     pub fn fault(&self) -> Option<String> {
-        if let Some(heat) = self.heat_received.filter(|heat| !heat.is_finite()) {
-            return Some(format!("the model reports {heat} W of heat received"));
+        if let Some(power) = self.received_power.filter(|power| !power.is_finite()) {
+            return Some(format!("the model reports a received power of {power} W"));
         }
         let wrong = |wish: &f64| !(wish.is_finite() && *wish >= 0.0);
         let wish = self.wanted_window.filter(wrong)?;

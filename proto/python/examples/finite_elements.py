@@ -159,7 +159,7 @@ class FiniteElements(Solver):
         for name, rise in zip(SURFACES, self.trial):
             outputs[name] = rise.ravel()
         heat = self.grid.element_area * float(np.sum(flux))
-        return StepReport(heat_received=heat, work=flux.size)
+        return StepReport(received_power=heat, work=flux.size)
 
     def _make(self, wanted: list[tuple[Material, float]]) -> None:
         """Keep the required bodies and create the missing ones, which takes longest."""

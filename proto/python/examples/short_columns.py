@@ -61,7 +61,7 @@ class ShortColumns(Solver):
         for name in outputs:
             outputs[name] = rises[name]
         self.trial = {name: float(rise.max()) for name, rise in rises.items()}
-        return StepReport(heat_received=self.grid.integrate(flux))
+        return StepReport(received_power=self.grid.integrate(flux))
 
     def upstream(self, rows):
         return rows @ self.abel

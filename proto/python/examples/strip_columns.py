@@ -254,7 +254,7 @@ class StripColumns(Solver):
             outputs[name] = rise.ravel()
         self._write_sections(outputs, self._windows(self.trial))
         heat = self.grid.element_area * float(np.sum(flux))
-        return StepReport(heat_received=heat, work=flux.size)
+        return StepReport(received_power=heat, work=flux.size)
 
     def _window(self, step: Step, speeds: Array, flux: Array) -> Window:
         upper, lower = map(float, speeds.ravel())

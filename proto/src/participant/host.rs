@@ -50,12 +50,12 @@ impl Host {
         }
     }
 
-    /// Peak resident memory of the participant \[byte\]; 0 for a thread, which shares the memory of
-    /// its process.
-    pub(super) fn peak_resident_memory(&self) -> u64 {
+    /// Peak resident memory of the participant \[byte\]; unknown for a thread, which shares the
+    /// memory of its process.
+    pub(super) fn peak_resident_memory(&self) -> Option<u64> {
         match self {
             Self::Process => peak_resident_memory(),
-            Self::Thread(_) => 0,
+            Self::Thread(_) => None,
         }
     }
 }

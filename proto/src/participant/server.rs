@@ -13,7 +13,7 @@ use crate::grid::Grid;
 use crate::live::Live;
 use crate::message::{
     Command, CommandKind, FIGURES, Failure, Finished, OBSERVE, Reply, STAY, StateFile, Status,
-    Topics,
+    Topics, write_figures,
 };
 use crate::model::{Model, Setup, Solver, StateError, Step, StepError};
 use crate::progress::Progress;
@@ -288,7 +288,7 @@ impl<'a> Server<'a> {
                     summary: running.model.summary(),
                     model_seconds: running.model_time.as_secs_f64(),
                     peak_rss_bytes: self.host.peak_resident_memory(),
-                    cpu_seconds: spent - std::mem::replace(&mut self.spent_before, spent),
+                    cpu_seconds: Some(spent - std::mem::replace(&mut self.spent_before, spent)),
                 };
                 if !stays && matches!(self.host, Host::Process) {
                     std::mem::forget(running.ports);
@@ -382,7 +382,12 @@ impl Running {
             ports.observed.loan()?;
             model.observe(&mut ports.observed);
         }
-        let body = if figures { of_summary(&model.summary(), &ports.figures) } else { Vec::new() };
+        let body = if figures {
+            let summary = model.summary();
+            write_figures(ports.figures.iter().map(|key| figure::value(&summary, key)))
+        } else {
+            Vec::new()
+        };
         let spent = start.elapsed();
         self.model_time += spent;
         ports.observed.publish(step)?;
@@ -437,12 +442,6 @@ fn read_state(model: &mut dyn Model, file: File) -> Result<(), StateError> {
         0 => Ok(()),
         _ => Err(StateError("it is longer than the model's state".to_owned())),
     }
-}
-
-/// Returns the values under these keys of a summary, as little-endian doubles.
-fn of_summary(summary: &serde_json::Value, keys: &[String]) -> Vec<u8> {
-    let value = |key: &String| figure::value(summary, key).unwrap_or(f64::NAN);
-    keys.iter().flat_map(|key| value(key).to_le_bytes()).collect()
 }
 
 fn json_answer(reply: Reply, value: &impl serde::Serialize) -> Result<Answer, CommandError> {

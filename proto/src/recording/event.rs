@@ -5,9 +5,10 @@ use super::{RecordingError, admit};
 use crate::message::{Command, CommandKind, Reply, Topics};
 use serde::{Deserialize, Serialize};
 
-/// One event of a run. Participants are given by their index in [`super::Head::participants`].
+/// One event of a run. Participants are given by their index in [`super::Head::participants`]. `R`
+/// is the fixed part of a reply.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Event {
+pub enum Event<R = Reply> {
     /// The coordinator has sent a command.
     Command {
         /// Receiver of the command.
@@ -23,7 +24,7 @@ pub enum Event {
         /// Sender of the reply.
         participant: u16,
         /// Fixed part of the message.
-        reply: Reply,
+        reply: R,
         /// Variable part of the message.
         body: Vec<u8>,
     },
@@ -99,10 +100,10 @@ pub struct Iteration {
     pub relaxation: Option<f64>,
     /// Number of secant columns used for the next iterate.
     pub columns: Option<u64>,
-    /// Heat sent through conservative fields [W].
-    pub heat_sent: Option<f64>,
-    /// Heat received [W].
-    pub heat_received: Option<f64>,
+    /// Power sent through conservative fields [W].
+    pub sent: Option<f64>,
+    /// Power received [W].
+    pub received: Option<f64>,
     /// Seconds in which no model computed.
     pub coupling_seconds: f64,
     /// Seconds in each participant's model.

@@ -4,7 +4,8 @@ use super::chunks::Chunk;
 use super::held::MemoryBudget;
 use super::zstd::Zstd;
 use super::{
-    CONTROL, Event, FORMAT, Head, LONGEST_RECORD, RecordingError, STATE, admit, read_label,
+    CONTROL, Event, FORMAT, Head, LONGEST_RECORD, RecordingError, STATE, admit, format_1,
+    read_label,
 };
 use crate::binary;
 use crate::message::FieldHeader;
@@ -104,7 +105,7 @@ impl<R: Read> Recording<R> {
         let head = attachments.iter().find(|(name, _)| name == "head.json");
         let (_, head) = head.ok_or(RecordingError::NoHead)?;
         let format: Format = serde_json::from_slice(head).map_err(content)?;
-        if format.format != FORMAT {
+        if !(1..=FORMAT).contains(&format.format) {
             return Err(RecordingError::Format { found: format.format });
         }
         let head: Head = serde_json::from_slice(head).map_err(content)?;
@@ -241,15 +242,30 @@ fn content(error: serde_json::Error) -> RecordingError {
 }
 
 fn event(bytes: &[u8], head: &Head) -> Result<Event, RecordingError> {
-    let event = binary::read(bytes)
-        .map_err(|error| RecordingError::Content(format!("a control event: {error}")))?;
+    let read = match head.format {
+        1 => format_1::read(bytes),
+        _ => binary::read(bytes),
+    };
+    let mut event =
+        read.map_err(|error| RecordingError::Content(format!("a control event: {error}")))?;
     if let Event::Command { participant, .. } | Event::Reply { participant, .. } = &event
         && usize::from(*participant) >= head.participants.len()
     {
         let what = format!("an event of participant {participant}, which is unknown");
         return Err(RecordingError::Content(what));
     }
+    match &mut event {
+        Event::Command { command, .. } => translate(&mut command.protocol),
+        Event::Reply { reply, .. } => translate(&mut reply.protocol),
+        Event::Iteration(_) | Event::Repeated { .. } | Event::Ended { .. } => {}
+    }
     Ok(event)
+}
+
+/// Raises the version in a message of an earlier one, so that participants of this version take it.
+/// The head of the recording keeps the version of the run.
+fn translate(protocol: &mut u32) {
+    *protocol = (*protocol).max(crate::PROTOCOL_VERSION);
 }
 
 fn sample<'a>(
@@ -258,7 +274,8 @@ fn sample<'a>(
     values: &'a mut Vec<f64>,
 ) -> Result<Item<'a>, RecordingError> {
     let wrong = |what: &str| Err(RecordingError::Content(format!("a sample of {service} {what}")));
-    let Some((header, bytes)) = read_label(bytes) else { return wrong("without a label") };
+    let Some((mut header, bytes)) = read_label(bytes) else { return wrong("without a label") };
+    translate(&mut header.protocol);
     admit::label(service, &header)
         .or_else(|what| damaged(format!("a sample of {service} has {what}")))?;
     let (doubles, rest) = bytes.as_chunks();

@@ -257,7 +257,7 @@ impl Model for MovingModel {
         let mut report = StepReport { substeps: 1, work: sent.len() as u64, ..<_>::default() };
         match self.setup.part {
             Moving::Mover => self.send_heat(&input, sent)?,
-            Moving::Plate => report.heat_received = Some(self.heat_up(&input, sent)),
+            Moving::Plate => report.received_power = Some(self.heat_up(&input, sent)),
         }
         self.trial = Books {
             windows: self.accepted.windows + 1,

@@ -72,7 +72,7 @@ fn a_consumer_that_loses_heat_is_named_under_every_scheme() {
 fn a_consumer_that_reports_no_heat_is_left_out_by_name() {
     let (place, ended) = lumped(&["body.reports=false".into()]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    let told = "body: does not report the heat it receives, and is excluded from the energy audit";
+    let told = "body: does not report the power it receives, and is excluded from the energy audit";
     assert_eq!(ended.stderr.matches(told).count(), 1, "{}", ended.stderr);
     let summary = place.read_summary();
     assert_eq!(summary["warnings"][0]["key"], "body", "{}", summary["warnings"]);

@@ -49,7 +49,7 @@ fn the_mechanical_solver_conforms_with_every_model() {
         "motion.creepage.xi=-0.003",
     ];
     let alone = [
-        "heat-received",
+        "received-power",
         "growing-grids",
         "volumes",
         "missing-sample",

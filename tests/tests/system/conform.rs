@@ -68,7 +68,7 @@ const CREEPAGE: [&str; 6] = [
 
 /// Checks that do not apply to a mechanical solver that runs alone.
 const ALONE: [&str; 6] =
-    ["heat-received", "growing-grids", "volumes", "missing-sample", "wrong-sample", "not-finite"];
+    ["received-power", "growing-grids", "volumes", "missing-sample", "wrong-sample", "not-finite"];
 
 /// Asserts that a solver of ours passes with every model, on coarse grids, in the given number of
 /// settings.
@@ -94,7 +94,7 @@ fn the_mechanical_solver_conforms_with_every_model() {
 fn the_mechanical_solver_conforms_in_a_loop() {
     let name = "falling-friction.toml";
     let quick = [&COARSE[..], &["--quick"]].concat();
-    let steady = ["heat-received", "other-end", "no-duration", "volumes"];
+    let steady = ["received-power", "other-end", "no-duration", "volumes"];
     ours_conform("mech", name, &quick, &steady, 1);
     let of_inputs = ["missing-sample", "wrong-sample", "not-finite"];
     let only = OF_MODELS.iter().chain(&of_inputs).flat_map(|check| ["--only", *check]);
@@ -237,7 +237,7 @@ fn recorded_inputs_are_used() {
     let place = Place::new();
     let summary = place.summary(&case("wheel-rail.toml"), &["--record"]);
     let recording = place.out().join("recording.mcap").display().to_string();
-    let options = ["--recording", &recording, "--only", "heat-received"];
+    let options = ["--recording", &recording, "--only", "received-power"];
     let (ended, report) = conform("thermal", &case("wheel-rail.toml"), &options, &[]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     let power = summary["contact"]["friction_power_w"].as_f64().unwrap();
@@ -392,7 +392,7 @@ mod every_check_can_fail {
             missing_key: "is refused with the key `case`",
             initialise: "`lower_temperature` is not finite at index 0",
             solve: "`lower_temperature` is not finite at index 0",
-            heat_received: "the integral",
+            received_power: "the integral",
             repeat: "solved again with the same samples: `lower_temperature`[0]",
             other_end: "after another one",
             no_duration: "ended with exit code 3",

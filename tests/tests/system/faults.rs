@@ -198,7 +198,7 @@ fn what_a_model_leaves_out_is_noticed_in_every_build() {
     let faults = [
         ("unwritten", "output `left_value` was not written at index 0"),
         ("half-written", "output `left_value` was not written at index 507"),
-        ("heat-is-no-number", "the model reports NaN W of heat received"),
+        ("heat-is-no-number", "the model reports a received power of NaN W"),
         ("wish-is-no-number", "the model wants a window of NaN s"),
     ];
     for (fault, what) in faults {
@@ -240,7 +240,7 @@ fn a_participant_that_breaks_the_contract_is_told_how() {
         ("negative-time", "model_seconds is -0.000000001 s"),
         ("negative-wish", "wanted_window is -1 s"),
         ("endless-wish", "wanted_window is inf s"),
-        ("infinite-heat", "heat_received is infinite"),
+        ("infinite-power", "received_power is -inf W"),
     ];
     for (fault, what) in faults {
         let place = Place::new();
@@ -252,11 +252,11 @@ fn a_participant_that_breaks_the_contract_is_told_how() {
 }
 
 #[test]
-fn a_participant_cannot_stop_reporting_heat() {
+fn a_participant_cannot_stop_reporting_power() {
     let place = Place::new();
-    let settings = [ROGUE, "left.fault=heat-once", "left.fault_window=3"];
+    let settings = [ROGUE, "left.fault=power-once", "left.fault_window=3"];
     let ended = place.run(&case("exchange.toml"), &sets(&settings));
-    let what = "it has stopped reporting the heat it receives";
+    let what = "it has stopped reporting the power it receives";
     assert_failed(&place, &ended, &["left (toy) failed", "in window 4, iteration 1", what]);
 }
 

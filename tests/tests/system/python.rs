@@ -457,7 +457,7 @@ table_of_tests! { fault_is_told:
     an_output_that_is_kept_is_told("keep-output", FIRST, "an array of `lower_temperature` was kept");
     writing_to_an_input_is_told("write-input", FIRST, "read-only");
     what_is_not_written_is_told("unwritten", FIRST, "`lower_temperature` is not finite at index 7");
-    a_heat_that_is_no_number_is_told("heat", FIRST, "the model reports nan W of heat received");
+    a_heat_that_is_no_number_is_told("heat", FIRST, "the model reports a received power of nan W");
     an_unknown_field_is_told("unknown", FIRST, "the description provides no `rail_temperatur`");
     an_exit_is_told("exit", FIRST, "ended with exit code 9");
     an_exception_in_accept_is_told("accept", "while accepting window 0", "ValueError: told to fail");

@@ -1,6 +1,8 @@
 //! Hard cases: the shipped suite passes, a suite can fail, and its file is read strictly.
 
-use crate::harness::{Ended, Place, case, root};
+use crate::cost::finished_runs;
+use crate::harness::{Ended, Place, case, root, wait_until};
+use rustix::process::Signal;
 use serde_json::Value;
 use std::fs;
 use std::path::PathBuf;
@@ -150,6 +152,45 @@ fn another_end_is_named() {
         assert_eq!(ended.code, Some(1), "{}", ended.stderr);
         assert!(ended.stdout.contains(told), "{told}: {}", ended.stdout);
     }
+}
+
+/// A stopped suite keeps its finished runs, and the same command continues with them. Several runs
+/// at a time give the report of the suite in its order.
+#[test]
+fn a_suite_that_is_stopped_goes_on() {
+    let values: Vec<String> = (10..50).map(|count| count.to_string()).collect();
+    let sweep = format!(
+        "[[hard.sweep]]\nparameter = \"resolution\"\nset = [\"mech.resolution={{}}\"]\n\
+         values = {values:?}\nbefore = \"an answer\"\nwhy = \"no reason\"\n"
+    );
+    let place = Place::new();
+    let (_folder, suite) = own_suite(&(one_case("at_most = 1e10") + &sweep));
+    let out = place.out().display().to_string();
+    let arguments = ["stability", suite.to_str().unwrap(), "--out", &out, "--jobs", "2"];
+    let running = place.start(&arguments);
+    wait_until("finished runs", || finished_runs(&place).len() >= 2);
+    running.signal(Signal::INT);
+    let ended = running.wait();
+    assert_eq!(ended.code, Some(130), "{}", ended.stderr);
+    let kept = finished_runs(&place);
+    let ended = place.start(&arguments).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let told = format!("{} runs of the interrupted study are reused", kept.len());
+    assert!(ended.stderr.contains(&told), "{told}: {}", ended.stderr);
+    let report: Value =
+        serde_json::from_slice(&fs::read(place.out().join("stability.json")).unwrap()).unwrap();
+    let rows = report["cases"][0]["sweeps"][0]["rows"].as_array().unwrap();
+    let found: Vec<&str> = rows.iter().map(|row| row[0].as_str().unwrap()).collect();
+    assert_eq!(found, values);
+    for run in &kept {
+        let name = run["options"][0].as_str().unwrap();
+        let place = values.iter().position(|value| name == format!("pressure-resolution-{value}"));
+        let row = place.map_or(&report["cases"][0]["row"], |at| &rows[at][1]);
+        // The time shows that the run was not repeated.
+        assert_eq!(row["seconds"], run["seconds"], "{name}");
+    }
+    assert!(finished_runs(&place).is_empty());
+    place.assert_nothing_left();
 }
 
 /// An error in a suite file is rejected with its place, before any run.

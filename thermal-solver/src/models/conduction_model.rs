@@ -339,7 +339,7 @@ impl<C: Conduction> Model for ConductionModel<C> {
             substeps: 1,
             inner_iterations: 0,
             work: operations,
-            heat_received: Some(area * work.heat[0] + area * work.heat[1]),
+            received_power: Some(area * work.heat[0] + area * work.heat[1]),
             wanted_window: None,
         })
     }

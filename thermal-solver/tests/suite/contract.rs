@@ -319,7 +319,7 @@ fn no_heat_no_rise_and_no_place_of_it() {
         let cold = serde_json::json!({"max_rise_k": 0.0});
         assert_eq!(run.model.summary()["temperature"]["rail"], cold);
         let report = run.advance(&vec![0.0; grid.points()], 0.0);
-        assert_eq!((report.work, report.heat_received), (0, Some(0.0)));
+        assert_eq!((report.work, report.received_power), (0, Some(0.0)));
         assert!(run.rail().iter().all(|rise| *rise == 0.0));
         assert_eq!(run.model.summary()["temperature"]["wheel"], cold);
     }

@@ -92,7 +92,7 @@ fn shared(model: &str, partition: &Value, conductivity: f64, speeds: [f64; 2]) -
     run.model.accept();
     let sent: f64 = flux.iter().sum::<f64>() * grid.element_area();
     // The interface creates and destroys no heat. Tolerance: rounding of sums.
-    let heat = report.heat_received.unwrap();
+    let heat = report.received_power.unwrap();
     assert!((heat / sent - 1.0).abs() < 1e-12, "{heat} of {sent}");
     Shared { run, heat }
 }
@@ -206,7 +206,7 @@ fn both_models_let_the_same_flow_in_time() {
             let report = run.advance(&now, passage * grid.dx() / speeds[1]);
             let sent = now.iter().sum::<f64>() * grid.element_area();
             // The interface creates and destroys no heat. Tolerance: rounding of sums.
-            assert!((report.heat_received.unwrap() / sent - 1.0).abs() < 1e-12);
+            assert!((report.received_power.unwrap() / sent - 1.0).abs() < 1e-12);
         }
         ["wheel", "rail"].map(|body| figure(&run, body, "max_rise_k"))
     };
@@ -247,7 +247,7 @@ fn pressed(model: &str, law: &Value, pressure: impl Fn(f64) -> f64) -> Run {
     let flux: Vec<f64> = whole.iter().enumerate().map(rear).collect();
     let report = run.try_solve(&flux, f64::INFINITY).unwrap();
     let sent: f64 = flux.iter().sum::<f64>() * grid.element_area();
-    assert!((report.heat_received.unwrap() / sent - 1.0).abs() < 1e-12);
+    assert!((report.received_power.unwrap() / sent - 1.0).abs() < 1e-12);
     run
 }
 
@@ -348,7 +348,7 @@ fn no_friction_is_the_limit_of_little() {
                 let duration = if mode == Mode::Steady { f64::INFINITY } else { 2e-3 };
                 let report = run.advance(&flux, duration);
                 let sent = flux.iter().sum::<f64>() * grid.element_area();
-                let received = report.heat_received.unwrap();
+                let received = report.received_power.unwrap();
                 assert!((received - sent).abs() <= 1e-12 * sent, "{model} {received} {sent}");
                 (run.rail().to_vec(), run.wheel().to_vec())
             };

@@ -188,7 +188,7 @@ fn heat_received_is_the_heat_sent() {
             (0..grid.points()).map(|i| 1e8 * (1.0 + (i as f64 * 0.37).sin())).collect();
         let report = run.solve(&flux, 0.0);
         let sent = run.given.grids[0].integrate(&flux);
-        let error = report.heat_received.unwrap() / sent - 1.0;
+        let error = report.received_power.unwrap() / sent - 1.0;
         // Tolerance: rounding of blocked sums.
         assert!(error.abs() < 1e-14, "{model} {error:e}");
     }

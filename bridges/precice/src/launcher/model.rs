@@ -232,12 +232,12 @@ impl Model for RunningProgram {
         if step.duration().is_nan() || step.duration() <= 0.0 {
             return Err(StepError::NoSolution("the window has no duration".to_owned()));
         }
-        let (window, heat_received) = self.window(step, inputs)?;
+        let (window, received_power) = self.window(step, inputs)?;
         self.last = [step.start, step.end];
         let computed = self.compute(window);
         let substeps = computed.map_err(|error| StepError::NoSolution(error.to_string()))?;
         self.write(&self.trial, outputs);
-        Ok(StepReport { substeps, work: 1, heat_received, ..StepReport::default() })
+        Ok(StepReport { substeps, work: 1, received_power, ..StepReport::default() })
     }
 
     fn first_outputs(&mut self, outputs: &mut dyn Outputs) {

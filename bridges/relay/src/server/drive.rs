@@ -120,7 +120,7 @@ pub(super) fn run(
     link.ring(Some(Box::new(move || {
         let _ = bell.ring();
     })));
-    let place = Place::new(&peers.info().folder)?;
+    let place = Place::new(&peers.run().info().folder)?;
     let ends_first = peers.process_guard();
     let mut run = Run {
         _ends_first: ends_first,

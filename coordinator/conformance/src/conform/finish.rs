@@ -7,7 +7,7 @@ use super::life::TestProcess;
 use super::setting::Setting;
 use super::solve::{largest, same};
 use contract::figure::value;
-use contract::message::{Command, CommandKind, Finished};
+use contract::message::{Command, CommandKind, Finished, read_figures};
 use serde_json::Value;
 use std::time::{Duration, Instant};
 
@@ -29,7 +29,7 @@ pub(super) const COORDINATOR_DIES: Check = Check {
 
 pub(super) const FINISH: Check = Check {
     name: "finish",
-    demand: "Finish is answered with {summary, model_seconds, peak_rss_bytes}, the summary an object \
+    demand: "Finish is answered with {summary, model_seconds}, the summary an object \
              with finite numbers; the process ends with exit code 0 within 2 s and leaves nothing",
     fix: "numbers that are not finite become null in JSON: leave them out",
     run: finish,
@@ -130,9 +130,9 @@ fn coordinator_dies(bench: &TestBench) -> Result<Finding, CheckFailure> {
 
 pub(super) const FIGURES: Check = Check {
     name: "figures",
-    demand: "Accept with FIGURES is answered with a double for every key of `figures` in Connect, in \
-             their order: the values in the summary at that time, NaN for a missing one",
-    fix: "flag bit 1 of the command; the values of the summary as little-endian doubles",
+    demand: "Accept with FIGURES is answered with a byte and a double for every key of `figures` \
+             in Connect, in their order: 1 and the value in the summary at that time, or 0 and 0",
+    fix: "flag bit 1 of the command; whether the figure exists, and its value in the summary",
     run: figures,
 };
 
@@ -147,17 +147,14 @@ fn figures(bench: &TestBench) -> Result<Finding, CheckFailure> {
         life.solve_with(&step, 0)?;
         let body = life.accept_with_figures(&step)?;
         let summary = end(life, true)?;
-        let (given, rest) = body.as_chunks();
-        if given.len() != keys.len() || !rest.is_empty() {
-            let (found, asked) = (body.len(), keys.len());
-            return broken(format!("{found} bytes for {asked} figures"));
-        }
-        for (key, bytes) in keys.iter().zip(given) {
-            let (given, expected) = (f64::from_le_bytes(*bytes), value(&summary, key));
-            let same = expected.map_or(given.is_nan(), |value| value.to_bits() == given.to_bits());
-            if !same {
-                let expected = expected.unwrap_or(f64::NAN);
-                return broken(format!("`{key}` is {given:e} instead of {expected:e}"));
+        let mut given = vec![None; keys.len()];
+        read_figures(&body, &mut given).or_else(broken)?;
+        for (key, given) in keys.iter().zip(given) {
+            let expected = value(&summary, key);
+            if expected.map(f64::to_bits) != given.map(f64::to_bits) {
+                let text = |value: Option<f64>| value.map_or("absent".into(), |v| format!("{v:e}"));
+                let (given, expected) = (text(given), text(expected));
+                return broken(format!("`{key}` is {given} instead of {expected}"));
             }
         }
         Finding::kept(format!("{} figures", keys.len() - 1))

@@ -24,9 +24,9 @@ use run::peers::{COORDINATOR, Delay, LEAVE, ParticipantSlot, Peers, ProcessGuard
 use run::peers::{layout_fault, volume_fault};
 use run::program::Program;
 use run::session::{FieldSubscription, MovingGrid};
-use run::supervise::{Exit, Supervisor};
+use run::supervise::Exit;
+use std::mem::ManuallyDrop;
 use std::path::Path;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// The participant under test.
@@ -132,7 +132,7 @@ impl TestProcess {
 
     /// Returns the folder of the run.
     pub(super) fn folder(&self) -> &Path {
-        &self.peers.info().folder
+        &self.peers.run().info().folder
     }
 
     /// Returns the exit of the participant's process, if it has ended.
@@ -464,7 +464,7 @@ impl TestProcess {
     /// nothing of the run is left, and returns the exit.
     pub(super) fn leave(self, why: &str) -> Result<Exit, CheckFailure> {
         let gone = self.peers.supervisor().wait_for_exits(LEAVE);
-        let (exit, info) = (self.ended(), self.peers.info().clone());
+        let (exit, info) = (self.ended(), self.peers.run().info().clone());
         drop(self);
         match exit {
             Some(exit) if gone => nothing_left(&info).map(|()| exit),
@@ -475,9 +475,9 @@ impl TestProcess {
     /// Ends like a killed coordinator: releases the locks, and leaves ports and files as they are.
     pub(super) fn abandon(self) -> Orphan {
         let Self { guard, ports, peers, .. } = self;
-        std::mem::forget(ports);
-        let (supervisor, info) = peers.abandon(guard);
-        Orphan { supervisor, info, since: Instant::now() }
+        peers.run().release();
+        let (ports, peers) = (ManuallyDrop::new(ports), ManuallyDrop::new(peers));
+        Orphan { guard, _ports: ports, peers, since: Instant::now() }
     }
 }
 
@@ -583,19 +583,21 @@ impl Answer {
 
 /// A participant whose coordinator has died.
 pub(super) struct Orphan {
-    pub(super) supervisor: Arc<Supervisor>,
-    pub(super) info: RunInfo,
-    pub(super) since: Instant,
+    guard: ProcessGuard,
+    // A killed process does not close its ports in order, so they are never closed.
+    _ports: ManuallyDrop<Ports>,
+    peers: ManuallyDrop<Peers>,
+    since: Instant,
 }
 
 impl Orphan {
     /// Waits until the participant ends, in time and without leaving anything. Returns the
     /// duration.
     pub(super) fn ends(self) -> Result<Duration, CheckFailure> {
-        let gone = self.supervisor.wait_for_exits(LEAVE);
+        let gone = self.peers.supervisor().wait_for_exits(LEAVE);
         let took = self.since.elapsed();
-        drop(self.supervisor);
-        let left = nothing_left(&self.info);
+        drop(self.guard);
+        let left = nothing_left(self.peers.run().info());
         if left.is_err() {
             // Creating a run removes the remains of dead ones.
             drop(RunDir::create(&[]));

@@ -27,12 +27,12 @@ pub(super) const SOLVE: Check = Check {
     run: solve,
 };
 
-pub(super) const HEAT: Check = Check {
-    name: "heat-received",
-    demand: "heat_received is the surface integral of the conservative inputs of one component (powers, \
-             not forces), to 1e-10 of the integral of their magnitudes",
+pub(super) const RECEIVED_POWER: Check = Check {
+    name: "received-power",
+    demand: "received_power is the surface integral of the conservative inputs of one component \
+             (powers, not forces), to 1e-10 of the integral of their magnitudes",
     fix: "sum of value times element area, over all elements of the grid it arrives on",
-    run: heat,
+    run: received_power,
 };
 
 pub(super) const REPEAT: Check = Check {
@@ -59,9 +59,9 @@ pub(super) const NO_DURATION: Check = Check {
     run: no_duration,
 };
 
-/// Largest difference between the heat received and the integral, relative to the integral of the
+/// Largest difference between the received power and the integral, relative to the integral of the
 /// magnitudes. Covers rounding of two sums of up to a million terms, in any order.
-const HEAT_TOLERANCE: f64 = 1e-10;
+const POWER_TOLERANCE: f64 = 1e-10;
 
 fn initialise(bench: &TestBench) -> Result<Finding, CheckFailure> {
     bench.each(|setting| {
@@ -102,7 +102,7 @@ fn solve(bench: &TestBench) -> Result<Finding, CheckFailure> {
     })
 }
 
-fn heat(bench: &TestBench) -> Result<Finding, CheckFailure> {
+fn received_power(bench: &TestBench) -> Result<Finding, CheckFailure> {
     bench.each_between(|setting, life| {
         let step = life.next(setting);
         life.feed(&step, 0)?;
@@ -110,16 +110,15 @@ fn heat(bench: &TestBench) -> Result<Finding, CheckFailure> {
             return Finding::inapplicable("it has no conservative input of one component");
         }
         let solved = life.solve(&step)?;
-        let received = solved.reply.heat_received;
-        if received.is_nan() {
-            return Finding::inapplicable("it reports no heat_received");
-        }
+        let Some(received) = solved.reply.received_power() else {
+            return Finding::inapplicable("it reports no received_power");
+        };
         let inputs = &life.ports.inputs;
         let [sent, magnitude] =
             power(inputs.iter().map(|input| (&input.source.kind, &input.grid, &*input.values)));
         let off = (received - sent).abs();
-        if off > HEAT_TOLERANCE * magnitude {
-            return broken(format!("heat_received is {received:e} W, the integral {sent:e} W"));
+        if off > POWER_TOLERANCE * magnitude {
+            return broken(format!("received_power is {received:e} W, the integral {sent:e} W"));
         }
         let relative = if off == 0.0 { 0.0 } else { off / magnitude };
         Finding::kept(format!(
@@ -393,7 +392,7 @@ mod tests {
     /// A force is no power, and powers of both signs are compared with their magnitudes: the sum
     /// may be zero.
     #[test]
-    fn only_powers_are_heat() {
+    fn only_powers_are_counted() {
         let grid = Grid::structured("g", Structured::contact_plane(0.0, 0.0, 0.5, 1.0, 2, 1));
         let kind = |components, mapping| FieldKind {
             components,

@@ -294,7 +294,7 @@ impl<'a> SurveyBuilder<'a> {
         survey.end_s = iteration.end;
         survey.coupling_s += iteration.coupling_seconds;
         survey.final_residuals.clone_from(&iteration.residuals);
-        if let (Some(sent), Some(received)) = (iteration.heat_sent, iteration.heat_received) {
+        if let (Some(sent), Some(received)) = (iteration.sent, iteration.received) {
             let scale = sent.abs().max(received.abs());
             let imbalance = if scale == 0.0 { 0.0 } else { (sent - received).abs() / scale };
             let worst = survey.energy_imbalance.get_or_insert(0.0);

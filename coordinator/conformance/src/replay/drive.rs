@@ -70,7 +70,7 @@ impl<'a> Driver<'a> {
         peers: &'a mut Peers,
         from: Option<u64>,
     ) -> Result<Self, RunError> {
-        let folder = peers.info().folder.join("replay");
+        let folder = peers.run().info().folder.join("replay");
         std::fs::create_dir(&folder).map_err(|error| file_failure(&folder, &error))?;
         let mut replay = Replay {
             role: request.only.clone(),

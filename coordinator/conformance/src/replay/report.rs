@@ -230,16 +230,17 @@ impl Growth {
 /// Returns the first difference between two replies, except in times.
 pub(super) fn unequal(now: &Reply, then: &Reply, tolerance: Option<f64>) -> Option<String> {
     let floats = [
-        ("heat received", now.heat_received, then.heat_received),
-        ("the window it wants", now.wanted_window, then.wanted_window),
+        ("the power it receives", now.received_power(), then.received_power()),
+        ("the window it wants", now.wanted_window(), then.wanted_window()),
     ];
-    let within = |a: f64, b: f64| match tolerance {
-        _ if a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan() => true,
-        None => false,
-        Some(tolerance) => (a - b).abs() <= tolerance * b.abs(),
+    let within = |a: Option<f64>, b: Option<f64>| match (a, b, tolerance) {
+        (Some(a), Some(b), _) if a.to_bits() == b.to_bits() => true,
+        (Some(a), Some(b), Some(tolerance)) => (a - b).abs() <= tolerance * b.abs(),
+        _ => a.is_none() && b.is_none(),
     };
     if let Some((what, a, b)) = floats.into_iter().find(|(_, a, b)| !within(*a, *b)) {
-        return Some(format!("{what} is {a:e}, recorded {b:e}"));
+        let text = |value: Option<f64>| value.map_or("absent".to_owned(), |v| format!("{v:e}"));
+        return Some(format!("{what} is {}, recorded {}", text(a), text(b)));
     }
     let counts = [
         ("its work", now.work, then.work),

@@ -288,13 +288,13 @@ impl<'m, 'a> Driven<'m, 'a> {
         let [iterations, history] = self.kept[&state].tables.clone();
         let tables = &mut *self.time_loop.tables;
         let (at, then) = (iterations.start(), history.start());
-        let cut = [tables.iterations.cut(at)?, tables.history.cut(then)?];
+        let cut = [tables.iterations.rows.cut(at)?, tables.history.rows.cut(then)?];
         for kept in self.kept.values_mut() {
             kept.tables[0].cut(at, &cut[0]);
             kept.tables[1].cut(then, &cut[1]);
         }
-        tables.iterations.append(iterations.rest())?;
-        tables.history.append(history.rest())
+        tables.iterations.rows.append(iterations.rest())?;
+        tables.history.rows.append(history.rest())
     }
 }
 
@@ -322,8 +322,8 @@ impl TimeLoop<'_> {
             time: self.time.state().clone(),
             counts: *self.counts,
             tables: [
-                TableState::at(self.tables.iterations.mark()?),
-                TableState::at(self.tables.history.mark()?),
+                TableState::at(self.tables.iterations.rows.mark()?),
+                TableState::at(self.tables.history.rows.mark()?),
             ],
             series: self.fields.series().to_vec(),
         })

@@ -113,7 +113,7 @@ impl Tables {
 
     /// Writes all buffered rows to the files.
     pub(super) fn flush(&mut self) -> Result<(), RunError> {
-        self.iterations.flush()?;
-        self.history.flush()
+        self.iterations.rows.flush()?;
+        self.history.rows.flush()
     }
 }

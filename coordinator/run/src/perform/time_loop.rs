@@ -358,8 +358,8 @@ impl<'a> TimeLoop<'a> {
             counts: Counts { bytes_exchanged, ..*self.counts },
             coupling,
             iterate: self.coupling.sent().to_vec(),
-            table_bytes: self.tables.iterations.seal()?,
-            history_bytes: self.tables.history.seal()?,
+            table_bytes: self.tables.iterations.rows.seal()?,
+            history_bytes: self.tables.history.rows.seal()?,
             series: self.fields.series().to_vec(),
             recorded: writing.recorded,
         };
@@ -417,8 +417,8 @@ impl<'a> TimeLoop<'a> {
             residuals: names.zip(self.coupling.residuals().iter().copied()).collect(),
             relaxation: taken.relaxation,
             columns: taken.columns.map(|columns| columns as u64),
-            heat_sent: balance.sent,
-            heat_received: balance.received,
+            sent: balance.sent,
+            received: balance.received,
             coupling_seconds,
             model_seconds: self.session.solved().iter().map(|s| s.model_seconds).collect(),
         }
@@ -457,14 +457,14 @@ fn beside_the_models(wall: f64, models: f64) -> f64 {
     (wall - models).max(0.0)
 }
 
-/// Returns a warning for each participant that does not report the heat it receives, once.
+/// Returns a warning for each participant that does not report the power it receives, once.
 fn unreported(balance: &Balance, roles: &[&str], counts: &mut Counts) -> Vec<Warning> {
     let unreported = balance.unreported & !counts.unreported;
     counts.unreported |= unreported;
     let silent = roles.iter().enumerate().filter(|(index, _)| unreported >> index & 1 == 1);
     let warning = |(_, role): (usize, &&str)| {
-        let reason = "does not report the heat it receives, and is excluded from the energy audit";
-        Warning::remark(role, reason, "let its solver report heat_received")
+        let reason = "does not report the power it receives, and is excluded from the energy audit";
+        Warning::remark(role, reason, "let its solver report received_power")
     };
     silent.map(warning).collect()
 }

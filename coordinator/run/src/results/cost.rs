@@ -56,8 +56,8 @@ impl Cost {
         let participant = |(role, of): (&String, &Finished)| ParticipantCost {
             role: role.clone(),
             model_s: of.model_seconds,
-            cpu_s: Some(of.cpu_seconds).filter(|seconds| *seconds > 0.0),
-            peak_rss_bytes: Some(of.peak_rss_bytes).filter(|bytes| *bytes > 0),
+            cpu_s: of.cpu_seconds,
+            peak_rss_bytes: of.peak_rss_bytes,
         };
         let roles = plan.participants.iter().map(|participant| &participant.role);
         Self {

@@ -25,7 +25,7 @@ pub struct Counts {
     /// Largest relative imbalance of the conservative fields in a window.
     pub energy_imbalance: Option<f64>,
     /// One bit for each participant: set if it consumes a conservative field and does not report
-    /// the heat it receives. A resumed run determines the bits again.
+    /// the power it receives. A resumed run determines the bits again.
     #[serde(skip)]
     pub unreported: u64,
     /// Duration of planning [s].

@@ -37,7 +37,7 @@ pub const FILE: &str = "history.csv";
 /// Writer of the table.
 #[derive(Debug)]
 pub struct HistoryTable {
-    rows: Rows,
+    pub(crate) rows: Rows,
     /// Columns with their keys.
     columns: Vec<(String, Column)>,
 }
@@ -60,9 +60,9 @@ pub struct HistoryRecord<'a> {
     pub iterations: u32,
     /// Varying inputs, in the order in which the table was created.
     pub inputs: &'a [Option<f64>],
-    /// Figures of the participants, in the order of the plan; NaN for unknown ones, and `None` for
+    /// Figures of the participants, in the order of the plan; `None` for unknown ones, and for
     /// a window without an answer.
-    pub given: Option<&'a [f64]>,
+    pub given: Option<&'a [Option<f64>]>,
 }
 
 impl HistoryTable {
@@ -109,7 +109,7 @@ impl HistoryTable {
     /// Returns the figures of a window in the order of the columns, from the figures that
     /// participants give.
     #[must_use]
-    pub fn values(&self, given: &[f64]) -> Vec<Option<f64>> {
+    pub fn values(&self, given: &[Option<f64>]) -> Vec<Option<f64>> {
         self.columns.iter().map(|(_, column)| column.value(given)).collect()
     }
 
@@ -120,46 +120,6 @@ impl HistoryTable {
     pub fn row(&mut self, record: &HistoryRecord<'_>) -> Result<(), RunError> {
         let Self { rows, columns } = self;
         rows.add(|out| write_row(out, record, columns))
-    }
-
-    /// Flushes everything to the disk and returns the length of the file \[byte\].
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn seal(&mut self) -> Result<u64, RunError> {
-        self.rows.seal()
-    }
-
-    /// Writes buffered rows to the file and returns its length \[byte\].
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn mark(&mut self) -> Result<u64, RunError> {
-        self.rows.mark()
-    }
-
-    /// Cuts the file to a length and returns the removed rows.
-    ///
-    /// # Errors
-    /// The file cannot be read or cut.
-    pub fn cut(&mut self, bytes: u64) -> Result<Vec<u8>, RunError> {
-        self.rows.cut(bytes)
-    }
-
-    /// Adds rows that were cut.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn append(&mut self, rows: &[u8]) -> Result<(), RunError> {
-        self.rows.append(rows)
-    }
-
-    /// Writes buffered rows to the file.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn flush(&mut self) -> Result<(), RunError> {
-        self.rows.flush()
     }
 }
 
@@ -273,8 +233,9 @@ fn columns(figures: &[FigureSpec], given: &[&str]) -> Vec<(String, Column)> {
 }
 
 impl Column {
-    fn value(&self, given: &[f64]) -> Option<f64> {
-        let at = |place: Option<usize>| place.map(|place| given[place]).filter(|v| v.is_finite());
+    fn value(&self, given: &[Option<f64>]) -> Option<f64> {
+        let at =
+            |place: Option<usize>| place.and_then(|place| given[place]).filter(|v| v.is_finite());
         match self {
             Self::Given(place) => at(Some(*place)),
             Self::Ratio { of, over } => ratio(of.iter().map(|place| at(*place)), at(*over)),
@@ -435,18 +396,21 @@ mod tests {
             figure("contact.a_m"),
         ];
         let columns = columns(&figures, &["contact.a_m", "heat.x_m"]);
-        let row = |given: Option<[f64; 2]>, status: &str| {
+        let row = |given: Option<[Option<f64>; 2]>, status: &str| {
             let mut out = Vec::new();
             let step = Step { window: 3, iteration: 7, start: 0.5, end: 1.0 };
-            let given = given.as_ref().map(<[f64; 2]>::as_slice);
+            let given = given.as_ref().map(<[Option<f64>; 2]>::as_slice);
             let inputs = &[Some(4.0)];
             let record = HistoryRecord { step: &step, status, iterations: 7, inputs, given };
             write_row(&mut out, &record, &columns);
             String::from_utf8(out).unwrap()
         };
-        assert_eq!(row(Some([2.0, -1.0]), "converged"), "3,0.5,1,converged,7,4e0,-5e-1,-1e0,,2e0");
         assert_eq!(
-            row(Some([f64::NAN, 1.0]), "not-converged"),
+            row(Some([Some(2.0), Some(-1.0)]), "converged"),
+            "3,0.5,1,converged,7,4e0,-5e-1,-1e0,,2e0"
+        );
+        assert_eq!(
+            row(Some([None, Some(1.0)]), "not-converged"),
             "3,0.5,1,not-converged,7,4e0,,1e0,,"
         );
         assert_eq!(row(None, "no-answer"), "3,0.5,1,no-answer,7,4e0,,,,");
@@ -500,11 +464,11 @@ mod tests {
                 status: "completed",
                 iterations: 1,
                 inputs: &[Some(20.0)],
-                given: Some(&[f64::NAN, rise]),
+                given: Some(&[None, Some(rise)]),
             };
             table.row(&record).unwrap();
         }
-        table.flush().unwrap();
+        table.rows.flush().unwrap();
         let before = std::fs::read_to_string(&path).unwrap();
         let survey = Survey::read(&path, &figures).unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), before, "reading changes nothing");

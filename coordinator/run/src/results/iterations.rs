@@ -43,7 +43,9 @@ pub struct IterationRecord<'a> {
 
 /// Writer of the table.
 #[derive(Debug)]
-pub struct IterationTable(Rows);
+pub struct IterationTable {
+    pub(crate) rows: Rows,
+}
 
 impl IterationTable {
     /// Creates the file and writes its header, for participants of these roles and coupling data of
@@ -51,7 +53,7 @@ impl IterationTable {
     pub fn create(path: &Path, roles: &[&str], fields: &[String]) -> Result<Self, RunError> {
         let mut text = Vec::new();
         head(&mut text, roles, fields);
-        Rows::create(path, text).map(Self)
+        Ok(Self { rows: Rows::create(path, text)? })
     }
 
     /// Opens the table of a resumed run, and discards the content after the first `bytes` bytes.
@@ -59,47 +61,13 @@ impl IterationTable {
     /// # Errors
     /// The file is shorter, or cannot be opened.
     pub fn resume(path: &Path, bytes: u64) -> Result<Self, RunError> {
-        Rows::resume(path, bytes).map(Self)
-    }
-
-    /// Flushes everything to the disk and returns the length of the file \[byte\].
-    pub fn seal(&mut self) -> Result<u64, RunError> {
-        self.0.seal()
+        Ok(Self { rows: Rows::resume(path, bytes)? })
     }
 
     /// Adds the row of an iteration. The row reaches the disk within about a second, with a later
     /// row.
     pub fn row(&mut self, row: &IterationRecord<'_>) -> Result<(), RunError> {
-        self.0.add(|out| write_row(out, row))
-    }
-
-    /// Writes buffered rows to the file and returns its length \[byte\].
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn mark(&mut self) -> Result<u64, RunError> {
-        self.0.mark()
-    }
-
-    /// Cuts the file to a length and returns the removed rows.
-    ///
-    /// # Errors
-    /// The file cannot be read or cut.
-    pub fn cut(&mut self, bytes: u64) -> Result<Vec<u8>, RunError> {
-        self.0.cut(bytes)
-    }
-
-    /// Adds rows that were cut.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn append(&mut self, rows: &[u8]) -> Result<(), RunError> {
-        self.0.append(rows)
-    }
-
-    /// Writes buffered rows to the file.
-    pub fn flush(&mut self) -> Result<(), RunError> {
-        self.0.flush()
+        self.rows.add(|out| write_row(out, row))
     }
 }
 

@@ -15,7 +15,7 @@ const UNWRITTEN: Duration = Duration::from_secs(1);
 
 /// Writer of the table.
 #[derive(Debug)]
-pub(super) struct Rows {
+pub(crate) struct Rows {
     file: File,
     path: PathBuf,
     /// Buffered rows, not yet in the file.
@@ -63,20 +63,20 @@ impl Rows {
     }
 
     /// Flushes everything to the disk and returns the length of the file \[byte\].
-    pub(super) fn seal(&mut self) -> Result<u64, RunError> {
+    pub(crate) fn seal(&mut self) -> Result<u64, RunError> {
         self.flush()?;
         self.file.sync_data().map_err(|error| file_failure(&self.path, &error))?;
         Ok(self.bytes)
     }
 
     /// Writes buffered rows to the file and returns its length \[byte\].
-    pub(super) fn mark(&mut self) -> Result<u64, RunError> {
+    pub(crate) fn mark(&mut self) -> Result<u64, RunError> {
         self.flush()?;
         Ok(self.bytes)
     }
 
     /// Cuts the file to `bytes` bytes and returns the removed rows.
-    pub(super) fn cut(&mut self, bytes: u64) -> Result<Vec<u8>, RunError> {
+    pub(crate) fn cut(&mut self, bytes: u64) -> Result<Vec<u8>, RunError> {
         self.flush()?;
         let Self { file, path, bytes: length, .. } = self;
         let mut cut = || {
@@ -94,7 +94,7 @@ impl Rows {
     }
 
     /// Adds rows that were cut.
-    pub(super) fn append(&mut self, rows: &[u8]) -> Result<(), RunError> {
+    pub(crate) fn append(&mut self, rows: &[u8]) -> Result<(), RunError> {
         self.unwritten.extend_from_slice(rows);
         self.flush()
     }
@@ -108,7 +108,7 @@ impl Rows {
 
     /// Writes buffered rows to the file. On a full disk the file is cut after the last complete
     /// flush.
-    pub(super) fn flush(&mut self) -> Result<(), RunError> {
+    pub(crate) fn flush(&mut self) -> Result<(), RunError> {
         self.flushed = Instant::now();
         let written = self.file.write_all(&self.unwritten);
         if written.is_ok() {

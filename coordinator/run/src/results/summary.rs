@@ -107,7 +107,7 @@ pub struct CouplingSummary {
     /// Largest relative imbalance of the conservative fields in a window.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_imbalance: Option<f64>,
-    /// Participants that consume a conservative field and do not report the heat they receive.
+    /// Participants that consume a conservative field and do not report the power they receive.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub heat_not_reported_by: Vec<String>,
     /// Number of skipped rows; `None` where rows are not skipped.

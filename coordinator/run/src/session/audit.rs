@@ -1,5 +1,5 @@
 //! Audit of conservative fields: a consumer must report that it received what was sent to it. Such
-//! a field is a power per area, as of heat; the audit compares its surface integral.
+//! a field is a power per area; the audit compares its surface integral.
 //!
 //! The audit uses the samples whose sequence numbers stood in the command. Thus a consumer that
 //! solves at the same time as its producer is judged by the samples that it had, not by newer ones.
@@ -141,8 +141,8 @@ pub(super) fn commanded(
 /// Returns the fault in the report of a solve, if any. `before` is the power in the report of the
 /// solve before.
 pub(super) fn report_fault(reply: &Reply, before: Option<f64>) -> Option<String> {
-    let stopped = before.is_some() && reply.heat_received.is_nan();
-    let ended = || stopped.then(|| "it has stopped reporting the heat it receives".to_owned());
+    let stopped = before.is_some() && reply.received_power().is_none();
+    let ended = || stopped.then(|| "it has stopped reporting the power it receives".to_owned());
     reply.fault().or_else(ended)
 }
 

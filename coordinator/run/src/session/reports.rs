@@ -2,7 +2,7 @@
 //! accepted window.
 
 use crate::plan::Plan;
-use contract::message::Reply;
+use contract::message::{Reply, read_figures};
 use coupling::ParticipantIndex;
 use std::ops::Range;
 use typed_index_collections::TiVec;
@@ -35,21 +35,18 @@ impl SolveRecord {
             substeps: reply.substeps,
             inner_iterations: reply.inner_iterations,
             sent: None,
-            received: Some(reply.heat_received).filter(|heat| !heat.is_nan()),
-            wanted_window: Some(reply.wanted_window).filter(|w| *w > 0.0 && w.is_finite()),
+            received: reply.received_power(),
+            wanted_window: reply.wanted_window().filter(|window| *window > 0.0),
         }
     }
 }
-
-/// Size of a figure in a reply [byte].
-const BYTES: usize = size_of::<f64>();
 
 /// Figures requested from each participant, with their last values.
 #[derive(Debug)]
 pub(super) struct Figures {
     /// Ranges of each participant's figures among the values.
     places: TiVec<ParticipantIndex, Range<usize>>,
-    values: Vec<f64>,
+    values: Vec<Option<f64>>,
 }
 
 impl Figures {
@@ -62,7 +59,7 @@ impl Figures {
         };
         let places =
             plan.participants.iter().map(|participant| place(&participant.figures)).collect();
-        Self { places, values: vec![f64::NAN; count] }
+        Self { places, values: vec![None; count] }
     }
 
     /// Returns whether a participant is asked for figures.
@@ -79,19 +76,11 @@ impl Figures {
         participant: ParticipantIndex,
         body: &[u8],
     ) -> Result<(), String> {
-        let place = self.places[participant].clone();
-        if body.len() != BYTES * place.len() {
-            let (found, asked) = (body.len(), place.len());
-            return Err(format!("it replies with {found} bytes to a request for {asked} figures"));
-        }
-        for (value, bytes) in self.values[place].iter_mut().zip(body.chunks_exact(BYTES)) {
-            *value = f64::from_le_bytes(bytes.try_into().expect("a chunk is as long as a double"));
-        }
-        Ok(())
+        read_figures(body, &mut self.values[self.places[participant].clone()])
     }
 
     /// Returns the figures of all participants, in the order of the plan.
-    pub(super) fn values(&self) -> &[f64] {
+    pub(super) fn values(&self) -> &[Option<f64>] {
         &self.values
     }
 }

@@ -111,7 +111,7 @@ impl Session {
             let said: Finished = serde_json::from_slice(answer?.body()).map_err(|e| {
                 self.peers.misbehaved(participant, format!("its summary is not valid: {e}"))
             })?;
-            let (model, processor) = (said.model_seconds, said.cpu_seconds);
+            let (model, processor) = (said.model_seconds, said.cpu_seconds.unwrap_or_default());
             if model < 0.0 || processor < 0.0 {
                 let what = format!("model_seconds is {model} s, cpu_seconds {processor} s");
                 return Err(self.peers.misbehaved(participant, what));

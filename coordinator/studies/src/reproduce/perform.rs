@@ -1,24 +1,36 @@
 //! Performs every distinct run of a study once, and records the results in `reproduce.json`.
 
+use super::Request;
 use super::study::{Run, Study};
 use crate::study;
 use crate::study::bench::Bench;
+use crate::study::finished::FinishedRuns;
 use crate::study::folder::StudyFolder;
 use crate::study::output::StudyFile;
+use crate::study::runner::{self, Attempt, Maker, Point, Runner};
 use console::case_arguments::Changes;
 use console::output::Speaker;
-use console::steps::Steps;
 use pages::source::Columns;
 use run::error::{RunError, file_failure};
+use run::identity::Identity;
 use run::results::summary::Summary;
 use run::results::{Existing, ResultFolder, history};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
+use serde_json::json;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use std::{fs, mem};
 
-/// Plans all runs of a study and returns each with its expected time \[s\].
+/// A run of a study, planned.
+pub(super) struct Rehearsed {
+    run: Run,
+    /// Expected time \[s\].
+    seconds: f64,
+    identity: Identity,
+}
+
+/// Plans all runs of a study.
 ///
 /// # Errors
 /// [`RunError::Usage`] if a case is invalid.
@@ -26,54 +38,102 @@ pub(super) fn rehearse(
     study: &Study,
     file: &Path,
     bench: &mut Bench,
-) -> Result<Vec<(Run, f64)>, RunError> {
+) -> Result<Vec<Rehearsed>, RunError> {
     let rehearsed = |run: Run| match bench.planned(&run.case, &run.variant) {
-        Ok(planned) => Ok((run, study::expected_run_seconds(Some(&planned)))),
-        Err(error) => Err(of_run(&run, file, error)),
+        Ok(planned) => {
+            let seconds = study::expected_run_seconds(Some(&planned));
+            Ok(Rehearsed { run, seconds, identity: Identity::of(&planned)? })
+        }
+        Err(error) => Err(of_run(&run.name, file, error)),
     };
     study.runs(file.parent().unwrap_or(Path::new(""))).into_iter().map(rehearsed).collect()
 }
 
-/// Performs all runs into a folder and returns the record.
+/// The distinct runs of a study, each in a folder of its own.
+struct Reproduction<'a> {
+    runs: Vec<&'a Rehearsed>,
+    out: &'a Path,
+}
+
+impl Maker for Reproduction<'_> {
+    type Made = Done;
+
+    fn key(&self, point: &Point) -> Vec<String> {
+        vec![point.name.clone()]
+    }
+
+    fn work(&self, points: &[(usize, &Point)], _: &mut Bench) -> Result<Vec<f64>, RunError> {
+        Ok(points.iter().map(|(n, _)| self.runs[*n].seconds).collect())
+    }
+
+    fn make(&self, (n, _): (usize, &Point), bench: &mut Bench, _: &Path) -> Attempt<Done> {
+        let since = Instant::now();
+        let run = &self.runs[n].run;
+        let outcome = match one(run, self.out, bench) {
+            Ok(done) => runner::Outcome::Finished(Box::new(done)),
+            Err(error) => runner::Outcome::Failed(error),
+        };
+        Attempt { outcome, wall_s: since.elapsed().as_secs_f64() }
+    }
+}
+
+/// Performs all runs into a folder and returns the record. Equal runs are performed once.
 ///
 /// # Errors
 /// A run fails, or the folder cannot be written.
 pub(super) fn run_all(
+    request: &Request<'_>,
     study: &Study,
-    file: &Path,
-    runs: &[(Run, f64)],
+    runs: &[Rehearsed],
     folder: &StudyFolder,
-    bench: &mut Bench,
+    bench: Bench,
     speaker: &mut Speaker,
 ) -> Result<Record, RunError> {
-    let out = folder.open()?;
+    let (file, out) = (request.study, folder.open()?);
     keep_study(study, file, folder)?;
     let mut record = Record::begun(study);
     record.write(folder)?;
-    let mut known: BTreeMap<(PathBuf, Vec<String>), Done> = BTreeMap::new();
-    let key = |run: &Run| (run.case.clone(), run.variant.options());
-    let mut met = BTreeSet::new();
-    let work = runs.iter().map(|(run, seconds)| if met.insert(key(run)) { *seconds } else { 0.0 });
-    let mut steps = Steps::of_work(speaker.is_quiet(), work.collect());
-    for (n, (run, _)) in runs.iter().enumerate() {
-        steps.step(&run.name);
-        let since = Instant::now();
-        let key = key(run);
-        let done = match known.get(&key) {
-            Some(same) => Done { name: run.name.clone(), ..same.clone() },
-            None => one(run, &out, bench).map_err(|error| of_run(run, file, error))?,
-        };
-        let seconds = since.elapsed().as_secs_f64();
-        let total = runs.len();
-        let line = format!("run {:>3} of {total}  {:24} {seconds:6.2} s\n", n + 1, run.name);
-        steps.aside(|| speaker.say(&line));
-        known.entry(key).or_insert_with(|| done.clone());
-        record.runs.push(done);
-    }
-    steps.finish();
+    let (distinct, places) = distinct(runs);
+    let point =
+        |of: &&Rehearsed| Point { name: of.run.name.clone(), changes: of.run.variant.clone() };
+    let points: Vec<Point> = distinct.iter().map(point).collect();
+    let identities: Vec<&Identity> = distinct.iter().map(|of| &of.identity).collect();
+    let none = FinishedRuns::none_of_cases(&json!(identities));
+    let mut done = vec![None; distinct.len()];
+    let maker = Reproduction { runs: distinct, out: &out };
+    let mut runner = Runner::new(maker, request.folder, bench, speaker.is_quiet())?
+        .keep_finished(none, folder)?;
+    runner.jobs = request.jobs;
+    runner.run(&points, |n, attempt| {
+        let seconds = attempt.wall_s;
+        let made = attempt.made();
+        done[n] = Some((made.map_err(|error| of_run(&points[n].name, file, error))?, seconds));
+        while let Some(Rehearsed { run, .. }) = runs.get(record.runs.len())
+            && let Some((made, seconds)) = &mut done[places[record.runs.len()]]
+        {
+            record.runs.push(Done { name: run.name.clone(), ..made.clone() });
+            let (number, total, seconds) = (record.runs.len(), runs.len(), mem::take(seconds));
+            speaker.say(&format!("run {number:>3} of {total}  {:24} {seconds:6.2} s\n", run.name));
+        }
+        Ok(())
+    })?;
     record.complete = true;
     record.write(folder)?;
+    runner.complete()?;
     Ok(record)
+}
+
+/// Returns the distinct runs, and the place of each run among them.
+fn distinct(runs: &[Rehearsed]) -> (Vec<&Rehearsed>, Vec<usize>) {
+    let (mut distinct, mut known, mut places) = (Vec::new(), BTreeMap::new(), Vec::new());
+    for rehearsed in runs {
+        let key = (&rehearsed.run.case, rehearsed.run.variant.options());
+        places.push(*known.entry(key).or_insert_with(|| {
+            distinct.push(rehearsed);
+            distinct.len() - 1
+        }));
+    }
+    (distinct, places)
 }
 
 fn one(run: &Run, out: &Path, bench: &mut Bench) -> Result<Done, RunError> {
@@ -85,8 +145,8 @@ fn one(run: &Run, out: &Path, bench: &mut Bench) -> Result<Done, RunError> {
 }
 
 /// Adds the name of the run to an error in a case; other failures keep their messages.
-fn of_run(run: &Run, file: &Path, error: RunError) -> RunError {
-    let place = format!("{}: run `{}`", file.display(), run.name);
+fn of_run(run: &str, file: &Path, error: RunError) -> RunError {
+    let place = format!("{}: run `{run}`", file.display());
     match error {
         RunError::Case(problems) => RunError::Usage(format!("{place}: {problems}")),
         error => error.and(Err(RunError::Usage(format!("{place} did not finish")))),

@@ -18,6 +18,8 @@ const MOST_BYTES: u64 = 1 << 24;
 #[derive(Clone, Debug)]
 pub(crate) struct Suite {
     path: PathBuf,
+    /// Contents of the file.
+    pub(super) text: String,
     /// Limits of every case, unless the case sets its own.
     pub(super) every: Limits,
     entries: Vec<Entry>,
@@ -288,7 +290,8 @@ impl Suite {
             entry.check(&entries).map_err(|reason| fault(Some(place), &reason))?;
             entries.push(entry);
         }
-        Ok(Self { path: path.to_owned(), every: read.every, entries })
+        let (path, every) = (path.to_owned(), read.every);
+        Ok(Self { path, text, every, entries })
     }
 
     /// Path of the suite as given.

@@ -16,6 +16,15 @@ pub struct RepeatArguments {
     pub repeat: u32,
 }
 
+/// Number of runs at a time.
+#[derive(Debug, Args)]
+pub struct JobsArguments {
+    /// Number of runs at a time.
+    #[arg(long, value_name = "COUNT", default_value_t = 1,
+          value_parser = clap::value_parser!(u16).range(1..))]
+    pub jobs: u16,
+}
+
 /// Options of every study: the result folder and the processes of the runs.
 #[derive(Debug, Args)]
 pub struct StudyArguments {

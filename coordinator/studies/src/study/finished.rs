@@ -12,6 +12,7 @@ use run::plan::Planned;
 use run::results::read_file;
 use run::results::summary::Summary;
 use run::sealed::sum;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -69,21 +70,30 @@ struct Line<R> {
 
 /// Finished runs, keyed by the options that produce them.
 #[derive(Debug)]
-pub(crate) struct FinishedRuns {
+pub(crate) struct FinishedRuns<R = Run> {
     request: Request,
-    runs: BTreeMap<Vec<String>, Run>,
+    runs: BTreeMap<Vec<String>, R>,
     /// Length of the complete lines in the file \[byte\]; 0 before the file exists.
     bytes: u64,
     file: Option<File>,
 }
 
-impl FinishedRuns {
+impl<R: Clone + Serialize + DeserializeOwned> FinishedRuns<R> {
     /// Returns an empty list of finished runs for a study of a case. `asked` holds everything
     /// besides the case that determines the list of runs.
     pub(crate) fn none(asked: &Value, standing: &Planned) -> Result<Self, RunError> {
-        let (identity, unseen) = (Identity::of(standing)?, unseen(&standing.plan));
+        Ok(Self::of(asked, Identity::of(standing)?, unseen(&standing.plan)))
+    }
+
+    /// Returns an empty list of finished runs for a study of several cases. `asked` holds
+    /// everything that determines the list of runs and their results.
+    pub(crate) fn none_of_cases(asked: &Value) -> Self {
+        Self::of(asked, Identity::default(), String::new())
+    }
+
+    fn of(asked: &Value, identity: Identity, unseen: String) -> Self {
         let request = Request { request: sum(asked.to_string().as_bytes()), identity, unseen };
-        Ok(Self { request, runs: BTreeMap::new(), bytes: 0, file: None })
+        Self { request, runs: BTreeMap::new(), bytes: 0, file: None }
     }
 
     /// Returns whether the folder holds finished runs of the same request.
@@ -135,7 +145,7 @@ impl FinishedRuns {
     }
 
     /// Looks up the run with these options.
-    pub(super) fn run(&self, options: &[String]) -> Option<&Run> {
+    pub(super) fn run(&self, options: &[String]) -> Option<&R> {
         self.runs.get(options)
     }
 
@@ -143,7 +153,7 @@ impl FinishedRuns {
     pub(super) fn add(
         &mut self,
         options: Vec<String>,
-        run: &Run,
+        run: &R,
         folder: &StudyFolder,
     ) -> Result<(), RunError> {
         if self.runs.contains_key(&options) {
@@ -184,7 +194,7 @@ mod tests {
     use super::*;
     use std::fs;
 
-    fn none() -> FinishedRuns {
+    fn none() -> FinishedRuns<Run> {
         let request = Request { request: 7, identity: Identity::default(), unseen: String::new() };
         FinishedRuns { request, runs: BTreeMap::new(), bytes: 0, file: None }
     }

@@ -5,23 +5,17 @@ use super::arguments::StudyArguments;
 use super::bench::Bench;
 use super::finished::{FinishedRuns, Run};
 use super::folder::StudyFolder;
-use super::spent::{RunCost, Stopwatch};
-use super::{ends_study, expected_run_seconds, expected_seconds};
+use super::variants::Variants;
 use console::case_arguments::Changes;
 use console::steps::Steps;
 use run::error::RunError;
-use run::plan::Planned;
-use run::results::ResultFolder;
 use run::scratch::Scratch;
-use std::collections::BTreeMap;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Sender};
 use std::thread;
-use std::time::Instant;
-
-/// Largest number of points that are planned before the first run, for the progress display.
-const MOST_PLANNED: usize = 64;
 
 /// A run to perform.
 #[derive(Clone, Debug)]
@@ -33,9 +27,9 @@ pub(crate) struct Point {
 }
 
 /// Outcome of a run.
-pub(crate) enum Outcome {
+pub(crate) enum Outcome<R = Run> {
     /// The run finished.
-    Finished(Box<Run>),
+    Finished(Box<R>),
     /// The run was skipped for this reason.
     LeftOut(String),
     /// The run failed.
@@ -43,61 +37,80 @@ pub(crate) enum Outcome {
 }
 
 /// A run with all its repetitions.
-pub(crate) struct Attempt {
+pub(crate) struct Attempt<R = Run> {
     /// Outcome of the run.
-    pub(crate) outcome: Outcome,
-    /// Shortest wall-clock time of all repetitions \[s\].
+    pub(crate) outcome: Outcome<R>,
+    /// Shortest wall-clock time of all repetitions \[s\]; 0 for a run before an interruption.
     pub(crate) wall_s: f64,
 }
 
-/// Performs single runs of a case. The runs write no fields.
-struct Maker<'a> {
-    case: &'a Path,
-    arguments: &'a StudyArguments,
-    repeat: u32,
-    longest_run: f64,
+impl<R> Attempt<R> {
+    /// Returns the result of a run of a study that has no use for other outcomes.
+    ///
+    /// # Errors
+    /// The run failed or was skipped.
+    pub(crate) fn made(self) -> Result<R, RunError> {
+        match self.outcome {
+            Outcome::Finished(made) => Ok(*made),
+            Outcome::LeftOut(why) => Err(RunError::Usage(why)),
+            Outcome::Failed(error) => Err(error),
+        }
+    }
+}
+
+/// Performs the single runs of a study. A point is given with its number.
+pub(crate) trait Maker: Sync {
+    /// Result of a run that has finished.
+    type Made: Clone + Send + Serialize + DeserializeOwned;
+
+    /// Returns the words that distinguish a run from all others of the study.
+    fn key(&self, point: &Point) -> Vec<String> {
+        point.changes.options()
+    }
+
+    /// Returns the expected work of each point in any unit, for the progress display only.
+    ///
+    /// # Errors
+    /// The user interrupted the study.
+    fn work(&self, points: &[(usize, &Point)], bench: &mut Bench) -> Result<Vec<f64>, RunError>;
+
+    /// Performs a run. `scratch` is a folder for results that are not kept.
+    fn make(
+        &self,
+        point: (usize, &Point),
+        bench: &mut Bench,
+        scratch: &Path,
+    ) -> Attempt<Self::Made>;
 }
 
 /// Performs the runs of a study.
-pub(crate) struct Runner<'a> {
-    case: &'a Path,
+pub(crate) struct Runner<'a, M: Maker = Variants<'a>> {
+    /// Performs the single runs.
+    pub(crate) maker: M,
     arguments: &'a StudyArguments,
     /// Participants of runs that are performed one by one.
     pub(crate) bench: Bench,
     quiet: bool,
     scratch: Scratch,
-    /// Repetitions of each run; the shortest times count.
-    pub(crate) repeat: u32,
     /// Number of runs at a time.
     pub(crate) jobs: usize,
-    /// Runs with a longer expected time are skipped \[s\].
-    pub(crate) longest_run: f64,
     /// Finished runs and their folder, for a study that can be resumed.
-    finished: Option<(FinishedRuns, &'a StudyFolder)>,
+    finished: Option<(FinishedRuns<M::Made>, &'a StudyFolder)>,
 }
 
-impl<'a> Runner<'a> {
-    /// Prepares runs of a case, one at a time.
+impl<'a, M: Maker> Runner<'a, M> {
+    /// Prepares runs, one at a time.
     ///
     /// # Errors
     /// The temporary folder for the results cannot be created.
     pub(crate) fn new(
-        case: &'a Path,
+        maker: M,
         arguments: &'a StudyArguments,
         bench: Bench,
         quiet: bool,
     ) -> Result<Self, RunError> {
-        Ok(Self {
-            case,
-            arguments,
-            bench,
-            quiet,
-            scratch: Scratch::new()?,
-            repeat: 1,
-            jobs: 1,
-            longest_run: f64::INFINITY,
-            finished: None,
-        })
+        let scratch = Scratch::new()?;
+        Ok(Self { maker, arguments, bench, quiet, scratch, jobs: 1, finished: None })
     }
 
     /// Keeps finished runs in the folder of the study until it is complete, and reuses the ones
@@ -107,7 +120,7 @@ impl<'a> Runner<'a> {
     /// The folder holds runs of another case.
     pub(crate) fn keep_finished(
         mut self,
-        none: FinishedRuns,
+        none: FinishedRuns<M::Made>,
         folder: &'a StudyFolder,
     ) -> Result<Self, RunError> {
         let finished = match self.arguments.replace {
@@ -127,7 +140,7 @@ impl<'a> Runner<'a> {
 
     /// Removes the finished runs once the study is complete.
     pub(crate) fn complete(self) -> Result<(), RunError> {
-        self.finished.map_or(Ok(()), |(_, folder)| FinishedRuns::remove(folder))
+        self.finished.map_or(Ok(()), |(_, folder)| FinishedRuns::<M::Made>::remove(folder))
     }
 
     /// Performs the runs of these points and passes each to `take` when it ends: in order with one
@@ -138,7 +151,7 @@ impl<'a> Runner<'a> {
     pub(crate) fn run(
         &mut self,
         points: &[Point],
-        take: impl FnMut(usize, Attempt) -> Result<(), RunError>,
+        take: impl FnMut(usize, Attempt<M::Made>) -> Result<(), RunError>,
     ) -> Result<(), RunError> {
         let ended = match self.jobs.min(points.len()) {
             0 | 1 => self.one_by_one(points, take),
@@ -159,20 +172,17 @@ impl<'a> Runner<'a> {
     fn one_by_one(
         &mut self,
         points: &[Point],
-        mut take: impl FnMut(usize, Attempt) -> Result<(), RunError>,
+        mut take: impl FnMut(usize, Attempt<M::Made>) -> Result<(), RunError>,
     ) -> Result<(), RunError> {
         let mut steps = Steps::of_work(self.quiet, self.work(points)?);
         for (n, point) in points.iter().enumerate() {
             steps.step(&point.name);
             let attempt = match self.finished(point) {
                 Some(known) => known,
-                None => {
-                    let maker = self.maker();
-                    maker.make(&point.changes, self.scratch.path(), &mut self.bench)
-                }
+                None => self.maker.make((n, point), &mut self.bench, self.scratch.path()),
             };
-            self.keep(point, &attempt)?;
-            take_unless_ended(n, attempt, &mut take)?;
+            keep(self.finished.as_mut(), self.maker.key(point), &attempt)?;
+            steps.aside(|| take_unless_ended(n, attempt, &mut take))?;
         }
         steps.finish();
         Ok(())
@@ -183,7 +193,7 @@ impl<'a> Runner<'a> {
         &mut self,
         points: &[Point],
         jobs: usize,
-        mut take: impl FnMut(usize, Attempt) -> Result<(), RunError>,
+        mut take: impl FnMut(usize, Attempt<M::Made>) -> Result<(), RunError>,
     ) -> Result<(), RunError> {
         let mut steps = Steps::new(self.quiet, points.len());
         let mut open = Vec::new();
@@ -196,16 +206,16 @@ impl<'a> Runner<'a> {
         // Every job has participants of its own.
         self.bench.fleet.dismiss();
         let queue = Queue::new(&open);
-        let scratch = self.scratch.path().to_owned();
-        let (maker, cases) = (self.maker(), self.bench.cases().clone());
+        let Self { maker, arguments, bench, scratch, finished, .. } = self;
+        let (maker, cases) = (&*maker, bench.cases().clone());
         let outcome = thread::scope(|scope| {
             let (send, receive) = mpsc::channel();
             for job in 0..jobs {
-                let (send, maker, queue) = (send.clone(), &maker, &queue);
-                let (folder, cases) = (scratch.join(job.to_string()), cases.clone());
+                let (send, queue, fleet) = (send.clone(), &queue, &*arguments);
+                let (folder, cases) = (scratch.path().join(job.to_string()), cases.clone());
                 scope.spawn(move || {
-                    let mut bench = Bench::with(cases, maker.arguments.fleet());
-                    maker.work_off(queue, &mut bench, &folder, &send);
+                    let mut bench = Bench::with(cases, fleet.fleet());
+                    work_off(queue, maker, &mut bench, &folder, &send);
                 });
             }
             drop(send);
@@ -213,9 +223,8 @@ impl<'a> Runner<'a> {
             // After an interruption, results of the other threads are still collected.
             for (n, attempt) in receive {
                 steps.step(&points[n].name);
-                let taken = self
-                    .keep(&points[n], &attempt)
-                    .and_then(|()| take_unless_ended(n, attempt, &mut take));
+                let taken = keep(finished.as_mut(), maker.key(&points[n]), &attempt)
+                    .and_then(|()| steps.aside(|| take_unless_ended(n, attempt, &mut take)));
                 if let Err(error) = taken {
                     queue.stop();
                     outcome = outcome.and(Err(error));
@@ -227,58 +236,48 @@ impl<'a> Runner<'a> {
         outcome
     }
 
-    fn maker(&self) -> Maker<'a> {
-        let Self { case, arguments, repeat, longest_run, .. } = *self;
-        Maker { case, arguments, repeat, longest_run }
-    }
-
-    /// Expected work of the points \[s\], used for the progress display only. Points that are
-    /// finished, skipped or cannot be planned count as zero. Many points count as equal, because
-    /// each would have to be planned before the first one runs.
+    /// Expected work of the points, used for the progress display only. Finished points have none.
     ///
     /// # Errors
     /// The user interrupted the study.
     fn work(&mut self, points: &[Point]) -> Result<Vec<f64>, RunError> {
-        if self.quiet || points.len() > MOST_PLANNED {
+        if self.quiet {
             return Ok(vec![1.0; points.len()]);
         }
-        let expected = |point: &Point| {
-            if self.finished(point).is_some() {
-                return Ok(0.0);
-            }
-            match self.bench.planned(self.case, &point.changes) {
-                Err(error) if ends_study(&error) => Err(error),
-                planned => {
-                    let made = planned.ok();
-                    let made = made.filter(|one| expected_seconds(&one.plan) <= self.longest_run);
-                    Ok(expected_run_seconds(made.as_ref()))
-                }
-            }
-        };
-        points.iter().map(expected).collect()
-    }
-
-    fn finished(&self, point: &Point) -> Option<Attempt> {
-        let (finished, _) = self.finished.as_ref()?;
-        let run = finished.run(&point.changes.options())?.clone();
-        Some(Attempt { wall_s: run.spent.wall_s, outcome: Outcome::Finished(Box::new(run)) })
-    }
-
-    fn keep(&mut self, point: &Point, attempt: &Attempt) -> Result<(), RunError> {
-        match (&mut self.finished, &attempt.outcome) {
-            (Some((finished, folder)), Outcome::Finished(run)) => {
-                finished.add(point.changes.options(), run, folder)
-            }
-            _ => Ok(()),
+        let open = |(_, point): &(usize, &Point)| self.finished(point).is_none();
+        let open: Vec<_> = points.iter().enumerate().filter(open).collect();
+        let expected = self.maker.work(&open, &mut self.bench)?;
+        let mut work = vec![0.0; points.len()];
+        for ((n, _), expected) in open.into_iter().zip(expected) {
+            work[n] = expected;
         }
+        Ok(work)
+    }
+
+    fn finished(&self, point: &Point) -> Option<Attempt<M::Made>> {
+        let (finished, _) = self.finished.as_ref()?;
+        let made = finished.run(&self.maker.key(point))?.clone();
+        Some(Attempt { wall_s: 0.0, outcome: Outcome::Finished(Box::new(made)) })
+    }
+}
+
+/// Adds a run that has finished to the finished runs.
+fn keep<R: Clone + Serialize + DeserializeOwned>(
+    finished: Option<&mut (FinishedRuns<R>, &StudyFolder)>,
+    key: Vec<String>,
+    attempt: &Attempt<R>,
+) -> Result<(), RunError> {
+    match (finished, &attempt.outcome) {
+        (Some((finished, folder)), Outcome::Finished(run)) => finished.add(key, run, folder),
+        _ => Ok(()),
     }
 }
 
 /// Passes an attempt to `take`, unless its error ends the whole study.
-fn take_unless_ended(
+fn take_unless_ended<R>(
     n: usize,
-    attempt: Attempt,
-    take: &mut impl FnMut(usize, Attempt) -> Result<(), RunError>,
+    attempt: Attempt<R>,
+    take: &mut impl FnMut(usize, Attempt<R>) -> Result<(), RunError>,
 ) -> Result<(), RunError> {
     match attempt.outcome {
         Outcome::Failed(error) if error.is_interrupt() => Err(error),
@@ -309,86 +308,17 @@ impl<'a> Queue<'a> {
     }
 }
 
-impl Maker<'_> {
-    /// Performs runs until none is left or the study has stopped.
-    fn work_off(
-        &self,
-        queue: &Queue<'_>,
-        bench: &mut Bench,
-        folder: &Path,
-        send: &Sender<(usize, Attempt)>,
-    ) {
-        while let Some((n, point)) = queue.next() {
-            if send.send((n, self.make(&point.changes, folder, bench))).is_err() {
-                return;
-            }
+/// Performs runs until none is left or the study has stopped.
+fn work_off<M: Maker>(
+    queue: &Queue<'_>,
+    maker: &M,
+    bench: &mut Bench,
+    folder: &Path,
+    send: &Sender<(usize, Attempt<M::Made>)>,
+) {
+    while let Some((n, point)) = queue.next() {
+        if send.send((n, maker.make((n, point), bench, folder))).is_err() {
+            return;
         }
-    }
-
-    /// Performs a run with its repetitions.
-    fn make(&self, changes: &Changes, scratch: &Path, bench: &mut Bench) -> Attempt {
-        let silent = changes.with("output.fields", "none");
-        let begun = Instant::now();
-        let mut made: Option<Run> = None;
-        for _ in 0..self.repeat {
-            match self.once(&silent, scratch, bench) {
-                Outcome::Finished(run) => made = Some(run.with_least_times_of(made)),
-                outcome => return Attempt { outcome, wall_s: begun.elapsed().as_secs_f64() },
-            }
-        }
-        let run = made.expect("a run is made once at least");
-        Attempt { wall_s: run.spent.wall_s, outcome: Outcome::Finished(Box::new(run)) }
-    }
-
-    fn once(&self, changes: &Changes, scratch: &Path, bench: &mut Bench) -> Outcome {
-        let stopwatch = Stopwatch::start();
-        let planned = match bench.planned(self.case, changes) {
-            Ok(planned) => planned,
-            Err(error) => return Outcome::Failed(error),
-        };
-        let (seconds, limit) = (expected_seconds(&planned.plan), self.longest_run);
-        if seconds > limit {
-            let why = format!("{seconds:.1} s expected, above --longest-run {limit} s");
-            return Outcome::LeftOut(why);
-        }
-        let folder = ResultFolder::transient(scratch);
-        match folder.and_then(|folder| bench.run_planned(&planned, stopwatch.since, &folder)) {
-            Ok(summary) => {
-                let spent = RunCost::of(&summary, &stopwatch);
-                let closed_forms = closed_forms(&planned);
-                Outcome::Finished(Box::new(Run { summary, spent, closed_forms }))
-            }
-            Err(error) => Outcome::Failed(error),
-        }
-    }
-}
-
-/// Quantities for which participants have a closed form. The first participant that knows a
-/// quantity wins.
-fn closed_forms(planned: &Planned) -> BTreeMap<String, f64> {
-    let estimates = planned.plan.participants.iter().filter_map(|p| p.estimate.as_ref());
-    let mut found = BTreeMap::new();
-    for (key, value) in estimates.flat_map(|layout| &layout.closed_forms) {
-        found.entry(key.clone()).or_insert(*value);
-    }
-    found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Only few points are planned for the progress display; each plan of a long table would delay
-    /// the first run, and an interruption.
-    #[test]
-    fn a_long_table_is_not_planned_before_its_first_run() {
-        let arguments = StudyArguments { out: None, replace: false, fresh: true };
-        let mut runner =
-            Runner::new(Path::new("absent.toml"), &arguments, arguments.bench(), false).unwrap();
-        let point = Point { name: String::new(), changes: Changes::default() };
-        // Points that cannot be planned have no work.
-        assert_eq!(runner.work(&vec![point.clone(); 2]).unwrap(), [0.0; 2]);
-        let many = MOST_PLANNED + 1;
-        assert_eq!(runner.work(&vec![point; many]).unwrap(), vec![1.0; many]);
     }
 }

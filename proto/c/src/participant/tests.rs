@@ -205,7 +205,7 @@ fn a_window_is_solved_from_the_accepted_state() {
     let step = Step { window: 5, ..Step::STEADY };
     for _ in 0..2 {
         let report = model.solve(&step, &Nothing, &mut outputs).unwrap();
-        assert_eq!((report.work, report.heat_received, outputs.0[0]), (5, None, 1.0));
+        assert_eq!((report.work, report.received_power, outputs.0[0]), (5, None, 1.0));
     }
     model.accept();
     model.solve(&step, &Nothing, &mut outputs).unwrap();

@@ -26,8 +26,13 @@ from typing import Any, ClassVar
 NAME = "libcosim.so"
 LIBRARY = "COSIM_LIBRARY"
 """Names the library if it is neither in this package nor beside the executables."""
-VERSION = 3
+VERSION = 4
 """Version of the interface, COSIM_VERSION."""
+
+RECEIVED_POWER = 1
+"""Flag of a report: the model reports the power that it receives."""
+WANTED_WINDOW = 2
+"""Flag of a report: the model limits the window."""
 
 STRUCTURED = 1
 """Kind of a grid: a plane patch of equal elements."""
@@ -53,7 +58,8 @@ class Report(Structure):
         ("substeps", c_uint32),
         ("inner_iterations", c_uint32),
         ("work", c_uint64),
-        ("heat_received", c_double),
+        ("present", c_uint32),
+        ("received_power", c_double),
         ("wanted_window", c_double),
     ]
 

@@ -194,16 +194,18 @@ class Participant:
             inputs.end()
 
         self._write(outputs, run.outputs, solve, run.unpublished)
-        heat = said.heat_received
-        if heat is not None and not math.isfinite(heat):
-            raise StepError(f"the model reports {heat} W of heat received")
+        power = said.received_power
+        if power is not None and not math.isfinite(power):
+            raise StepError(f"the model reports a received power of {power} W")
         answer = report.contents
         answer.substeps, answer.inner_iterations = said.substeps, said.inner_iterations
         answer.work = said.work
-        if heat is not None:
-            answer.heat_received = heat
+        if power is not None:
+            answer.received_power = power
+            answer.present |= library.RECEIVED_POWER
         if said.wanted_window is not None:
             answer.wanted_window = said.wanted_window
+            answer.present |= library.WANTED_WINDOW
 
     @callback
     def accept(self) -> None:

@@ -85,7 +85,7 @@ class StepReport:
     """Number of iterations of the inner solver."""
     work: int = 0
     """Number of elementary operations, in the model's own unit."""
-    heat_received: float | None = None
+    received_power: float | None = None
     """Mean power received through conservative inputs over the window [W]."""
     wanted_window: float | None = None
     """Longest window that the model accepts from the start of this one [s]."""

@@ -57,8 +57,8 @@ class Astray(StripColumns):
         if FAULT == "solve":
             outputs["lower_temperature"][0] = np.inf
         self.remember(outputs)
-        if FAULT == "heat-received":
-            report = dataclasses.replace(report, heat_received=report.heat_received * (1.0 + 1e-8))
+        if FAULT == "received-power":
+            report = dataclasses.replace(report, received_power=report.received_power * (1.0 + 1e-8))
         if FAULT == "accept":
             super().accept()
         return report

@@ -140,7 +140,7 @@ fn the_tables_are_the_layouts() {
         layout!(Command: protocol, kind, sequence, window, iteration, flags, start, end, expected);
     assert_eq!(table("Command"), command);
     let reply = layout!(Reply: protocol, status, sequence, work, substeps, inner_iterations,
-        heat_received, model_seconds, wanted_window);
+        received_power, model_seconds, wanted_window, present, reserved);
     assert_eq!(table("Reply"), reply);
     let header = layout!(FieldHeader: protocol, components, points, grid_revision, window, iteration,
         reserved, start, end, sequence, name, unit, producer, grid);

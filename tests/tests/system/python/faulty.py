@@ -42,7 +42,7 @@ class Faulty(StripColumns):
             case "unwritten":
                 outputs["lower_temperature"][7] = np.nan
             case "heat":
-                report.heat_received = np.nan
+                report.received_power = np.nan
             case "unknown":
                 outputs["rail_temperatur"] = 0.0
             case "exit":

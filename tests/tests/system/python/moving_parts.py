@@ -115,7 +115,7 @@ class Moving(Solver):
                 raise StepError(f"revision {place.revision}, not {self.grid.revision}")
             outputs[self.sends] = flux(self.grid.centres())
         else:
-            report.heat_received = place.integrate(received)
+            report.received_power = place.integrate(received)
             outputs[self.sends] = temperature(self.grid.centres())
         expected = (temperature if self.moves else flux)(place.centres())
         error = float(np.max(np.abs(received - expected) / expected))
