@@ -57,6 +57,10 @@ const NARROWER: f64 = 3.0;
 const PATCH_SHARE: f64 = 0.01;
 /// Default number of rows across half of the narrowest patch.
 const LEAST_ROWS: f64 = 5.0;
+/// Ratio b/a of the semi-axes below which an ellipse is narrow. With a difference of second order it
+/// has as many rows per semi-axis b as there are elements in this share of a. On square elements its
+/// rows make most of the error, which hardly falls with n.
+const NARROW: f64 = 0.5;
 /// Maximum number of elements up to which the grid is refined automatically for its narrowest
 /// patch.
 const MOST_RESOLVED: f64 = 400_000.0;
@@ -177,10 +181,11 @@ pub(in crate::models) fn footprint(
         let dy = match (extent.line, lateral) {
             (true, _) => 2.0 * extent.b,
             (false, Some(count)) => semi_axes[1] / count,
-            // A narrow ellipse. Others have as many rows as the case asks for.
-            (false, None) if semi_axes[1] < 0.5 * semi_axes[0] => {
-                resolving_rows(semi_axes[1], side, area, &mut remarks)
+            (false, None) if semi_axes[1] < NARROW * semi_axes[0] => {
+                let along = if second_order { NARROW * semi_axes[0] / side } else { 0.0 };
+                resolving_rows(semi_axes[1], along.max(LEAST_ROWS), side, area, &mut remarks)
             }
+            // Others have as many rows as the case asks for.
             (false, None) => side,
         };
         let patch = shapes.patch(semi_axes, ellipse.line, ellipse.normal_force);
@@ -379,15 +384,15 @@ fn row_width(
     if let Some(count) = lateral {
         return narrowest / count;
     }
-    resolving_rows(narrowest, dx, area, remarks)
+    resolving_rows(narrowest, LEAST_ROWS, dx, area, remarks)
 }
 
-/// Row width that puts at least [`LEAST_ROWS`] across half of a patch of this semi-axis [m], unless
-/// a grid over this area [m²] would become too large, which a remark tells.
-fn resolving_rows(narrowest: f64, dx: f64, area: f64, remarks: &mut Vec<String>) -> f64 {
-    let resolved = narrowest / LEAST_ROWS;
-    let dy = dx.min(resolved.max(area / (dx * MOST_RESOLVED)));
-    if dy > resolved {
+/// Row width that puts at least this number of rows across half of a patch of this semi-axis [m],
+/// unless a grid over this area [m²] would become too large. A remark tells of fewer than
+/// [`LEAST_ROWS`].
+fn resolving_rows(narrowest: f64, rows: f64, dx: f64, area: f64, remarks: &mut Vec<String>) -> f64 {
+    let dy = dx.min((narrowest / rows).max(area / (dx * MOST_RESOLVED)));
+    if dy > narrowest / LEAST_ROWS {
         let rows = 2.0 * narrowest / dy;
         remarks.push(format!(
             "the narrowest patch is {rows:.1} rows across: set mech.lateral_resolution to resolve \
