@@ -171,7 +171,7 @@ pub(crate) fn counted(folder: &std::path::Path, program: &[String]) -> Vec<Strin
 
 /// Further checks that concern the state of a model.
 const OF_STATES: [&str; 7] =
-    ["heat-received", "other-end", "no-duration", "accept", "observe", "damaged-state", "reuse"];
+    ["received-power", "other-end", "no-duration", "accept", "observe", "damaged-state", "reuse"];
 
 /// The thermal solver passes with every model. Checks share processes, and `--quick` tests one
 /// model on small grids, with all checks; those of every model are in the target `nightly`.
