@@ -16,7 +16,7 @@
 //! 2E*/|k| for long waves, the number of iterations hardly grows with the resolution. Under a given
 //! load δ is chosen in every step so that Σ z = 0, with w = M 1 on C: z = M(−h − u) + δ w. Steps
 //! thus keep the load; after a cut, scaling p restores it. M is in single precision and acts on
-//! the residual at the previous δ.
+//! the residual at the mean of h + u, weighted with p.
 //!
 //! The pressure may have an upper bound p̂, [`NormalSolver::pressure_bound`], at which e ≤ 0: the
 //! remaining interpenetration is the depth to which the bodies have yielded. Elements at the bound
@@ -366,7 +366,7 @@ impl NormalSolver {
     }
 
     /// Adds elements without pressure that interpenetrate, and elements at the bound that open, to
-    /// C. Returns their largest violation.
+    /// C, and estimates δ under a given load. Returns their largest violation.
     fn release(
         &mut self,
         distance: &[f64],
@@ -383,6 +383,7 @@ impl NormalSolver {
                 weighted / pressure.iter().sum::<f64>()
             }
         };
+        progress.approach = approach;
         let (mut violation, mut count) = (0.0_f64, 0);
         for (at, flag) in work.in_contact.iter_mut().enumerate() {
             let penetration = approach - distance[at] - work.displacement[at];
@@ -402,11 +403,8 @@ impl NormalSolver {
     fn precondition(&mut self, distance: &[f64], prescribed: Prescribed, progress: &mut Progress) {
         let work = &mut self.work;
         std::mem::swap(&mut work.residual, &mut work.last_residual);
-        let given = match prescribed {
-            Prescribed::Approach(approach) => approach,
-            // M is rounded to single precision, and so acts on residuals that vanish.
-            Prescribed::Load(_) => progress.approach,
-        };
+        // M is rounded to single precision, and so acts on residuals that vanish.
+        let given = progress.approach;
         for (at, flag) in work.in_contact.iter().enumerate() {
             let open = given - distance[at] - work.displacement[at];
             work.residual[at] = if *flag { open } else { 0.0 };
@@ -414,7 +412,6 @@ impl NormalSolver {
         self.preconditioner.apply(&work.residual, &mut work.step);
         progress.convolutions += 1;
         work.cut(|work| &mut work.step);
-        progress.approach = given;
         if matches!(prescribed, Prescribed::Load(_)) {
             if progress.new_contact {
                 for (value, flag) in work.image.iter_mut().zip(&work.in_contact) {
