@@ -31,8 +31,8 @@ pub fn add_scaled(x: &mut [f64], y: &[f64], factor: f64) {
     x.iter_mut().zip(y).for_each(|(x, y)| *x += factor * y);
 }
 
-/// Returns the power of two next below the largest of these values. Divided by it, values of any unit fit
-/// single precision; the quotient is exact.
+/// Returns the power of two next below the largest of these values. Divided by it, values of any
+/// unit fit single precision; the quotient is exact.
 #[must_use]
 pub fn unit_of(values: &[f64]) -> f64 {
     const EXPONENT: u64 = 0x7ff << 52;

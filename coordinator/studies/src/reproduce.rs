@@ -29,6 +29,7 @@ use crate::study::output::{StudyFile, StudyPage};
 use clap::Args;
 use console::command::{Command, Context, Group};
 use console::output::Speaker;
+use perform::Request;
 use render::Rendered;
 use run::error::{RunError, file_failure};
 use std::fs;
@@ -72,21 +73,6 @@ impl Command for ReproduceCommand {
         let outcome = reproduce(&request, &mut speaker);
         speaker.end(outcome)
     }
-}
-
-/// Request for one reproduction.
-#[derive(Debug)]
-pub(crate) struct Request<'a> {
-    /// File of the study.
-    pub study: &'a Path,
-    /// Folder for the runs, the text and the plots.
-    pub folder: &'a StudyArguments,
-    /// Number of runs at a time.
-    pub jobs: usize,
-    /// Additional file for the text; its plots go into `img/NAME` beside it.
-    pub write: Option<&'a Path>,
-    /// Earlier text, with its plots, to compare with the new one.
-    pub check: Option<&'a Path>,
 }
 
 /// Runs a study and writes or compares the text as requested.

@@ -97,7 +97,7 @@ impl StatesCommand {
         &self,
         standing: &Planned,
         starts: &[f64],
-        runner: &mut Runner<'_>,
+        runner: &mut Runner<'_, Variants<'_>>,
     ) -> Result<Study, RunError> {
         let (plan, key) = (&standing.plan, &self.start.key);
         let point = |written: &String| Point {

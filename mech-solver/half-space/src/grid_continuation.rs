@@ -439,8 +439,8 @@ impl Levels {
     }
 
     /// Solves for this friction on the finest grid, starting on the coarsest grid. Bounds that
-    /// depend on the solution keep their values at the start on the coarser grids, and until a first
-    /// solution is found if they depend on slips.
+    /// depend on the solution keep their values at the start on the coarser grids, and until a
+    /// first solution is found if they depend on slips.
     ///
     /// # Errors
     /// The forces exceed the friction limit, or an iteration does not converge.

@@ -35,9 +35,8 @@ mod slip_passes;
 mod state;
 
 pub use bound_law::{Arguments, BoundLaw};
-pub use bounds::Layer;
 pub use newton::{Effort, NotConverged, TangentialSolver};
-pub use problem::{PrescribedForces, PrescribedMotion, Problem};
+pub use problem::{Layer, PrescribedForces, PrescribedMotion, Problem};
 pub use state::{Creepage, ElementState, TangentialState};
 
 #[cfg(test)]

@@ -302,8 +302,8 @@ fn local_slip_is_refused_where_it_is_not_solved_for() {
 
 /// Friction that falls with the slip of rigid bodies follows the creepage of a force that is
 /// prescribed in transient rolling: a contact that begins steady keeps its creepage over two of its
-/// lengths. Tolerances: differences in time in place of those of steady rolling; the Newton steps of
-/// a window that starts from the last one.
+/// lengths. Tolerances: differences in time in place of those of steady rolling; the Newton steps
+/// of a window that starts from the last one.
 #[test]
 fn friction_follows_the_creepage_of_a_force_in_time() {
     let mut case = falling_line("rigid", "before");

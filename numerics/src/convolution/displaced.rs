@@ -7,9 +7,9 @@
 //! û_j = φ_j (Σ_k Â_{j−k} φ̄_k p̂_k + Σ_{|j−k| ≤ r} Ĉ_jk φ̄_k p̂_k),   φ_j(m) = e^(2πi m δ_j/P_x).
 //!
 //! The first sum is a convolution between two phases, and exact for kernels that are smooth on the
-//! scale of an element. Between near rows they are not: φ_j Ĉ_jk φ̄_k is the difference of the exact
-//! kernel, sampled at i + δ_j − δ_k, and the displaced one. In a row itself both agree. The alternating
-//! wave m = P_x/2 cannot be displaced, and its phase is 1.
+//! scale of an element. Between near rows they are not: φ_j Ĉ_jk φ̄_k is the difference of the
+//! exact kernel, sampled at i + δ_j − δ_k, and the displaced one. In a row itself both agree. The
+//! alternating wave m = P_x/2 cannot be displaced, and its phase is 1.
 //!
 //! A symmetric kernel stays symmetric, and the sum over each pair of rows stays a cyclic
 //! convolution along x, which commutes with differences along x. The kernel fills the padding, so

@@ -6,6 +6,7 @@
 use super::near_rows::NearRows;
 use super::{Convolution, Spectrum};
 use crate::fourier::{Complex, Real};
+use crate::vector::unit_of;
 use std::ops::Range;
 
 /// Real transform of an even kernel on the padded grid.
@@ -29,6 +30,12 @@ impl Spectrum {
 }
 
 impl EvenSpectrum {
+    /// Power of two next below the largest value.
+    #[must_use]
+    pub fn unit(&self) -> f64 {
+        unit_of(&self.values)
+    }
+
     /// Returns the spectrum times a factor, in single precision.
     #[must_use]
     pub fn rounded(&self, factor: f64) -> EvenSpectrum<f32> {

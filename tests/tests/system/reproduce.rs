@@ -109,7 +109,8 @@ fn a_folder_with_other_files_is_refused() {
     assert_eq!(fs::read_dir(place.out()).unwrap().count(), 1);
 }
 
-/// The comparison accepts an unchanged page, whatever the number of jobs, and detects a changed value and a changed material.
+/// The comparison accepts an unchanged page, whatever the number of jobs, and detects a changed
+/// value and a changed material.
 #[test]
 fn a_page_that_is_stale_is_found() {
     let (place, small) = (Place::new(), Small::new(&[]));

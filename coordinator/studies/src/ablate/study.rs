@@ -6,6 +6,7 @@ use crate::study::output::StudyFile;
 use crate::study::quantity::{Quantities, Quantity};
 use crate::study::runner::{Attempt, Outcome, Point, Runner};
 use crate::study::spent::RunCost;
+use crate::study::variants::Variants;
 use console::case_arguments::CaseArguments;
 use contract::advice::{Advice, Change, SIGNIFICANT_CHANGE};
 use run::error::RunError;
@@ -118,7 +119,7 @@ impl Run {
 pub(super) fn study(
     of: &CaseArguments,
     standing: &Planned,
-    runner: &mut Runner<'_>,
+    runner: &mut Runner<'_, Variants<'_>>,
 ) -> Result<Study, RunError> {
     let advised = advise(&of.case, &of.changes, standing, &mut runner.bench)?;
     let plan = &standing.plan;

@@ -6,6 +6,7 @@ use crate::study::levels::{Level, ModelChoices, offered, reason};
 use crate::study::quantity::{Quantities, Quantity};
 use crate::study::runner::{Attempt, Outcome, Point, Runner};
 use crate::study::spent::RunCost;
+use crate::study::variants::Variants;
 use console::case_arguments::Changes;
 use coupling::windows::Windows;
 use run::error::RunError;
@@ -49,7 +50,7 @@ struct Setting {
 pub(super) fn sweep(
     request: &Request,
     standing: &Planned,
-    runner: &mut Runner<'_>,
+    runner: &mut Runner<'_, Variants<'_>>,
 ) -> Result<Sweep, RunError> {
     let ModelChoices { mut levels, refused } =
         offered(&request.case, &request.base, &mut runner.bench)?;

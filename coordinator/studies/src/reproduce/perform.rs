@@ -1,8 +1,8 @@
 //! Performs every distinct run of a study once, and records the results in `reproduce.json`.
 
-use super::Request;
 use super::study::{Run, Study};
 use crate::study;
+use crate::study::arguments::StudyArguments;
 use crate::study::bench::Bench;
 use crate::study::finished::FinishedRuns;
 use crate::study::folder::StudyFolder;
@@ -21,6 +21,21 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use std::{fs, mem};
+
+/// Request for one reproduction.
+#[derive(Debug)]
+pub(crate) struct Request<'a> {
+    /// File of the study.
+    pub study: &'a Path,
+    /// Folder for the runs, the text and the plots.
+    pub folder: &'a StudyArguments,
+    /// Number of runs at a time.
+    pub jobs: usize,
+    /// Additional file for the text; its plots go into `img/NAME` beside it.
+    pub write: Option<&'a Path>,
+    /// Earlier text, with its plots, to compare with the new one.
+    pub check: Option<&'a Path>,
+}
 
 /// A run of a study, planned.
 pub(super) struct Rehearsed {

@@ -5,7 +5,6 @@ use super::arguments::StudyArguments;
 use super::bench::Bench;
 use super::finished::{FinishedRuns, Run};
 use super::folder::StudyFolder;
-use super::variants::Variants;
 use console::case_arguments::Changes;
 use console::steps::Steps;
 use run::error::RunError;
@@ -84,7 +83,7 @@ pub(crate) trait Maker: Sync {
 }
 
 /// Performs the runs of a study.
-pub(crate) struct Runner<'a, M: Maker = Variants<'a>> {
+pub(crate) struct Runner<'a, M: Maker> {
     /// Performs the single runs.
     pub(crate) maker: M,
     arguments: &'a StudyArguments,

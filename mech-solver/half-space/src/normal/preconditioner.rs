@@ -1,5 +1,5 @@
-//! Preconditioner M of the normal contact: the inverse of the symbol of A under a triangular window,
-//! in single precision.
+//! Preconditioner M of the normal contact: the inverse of the symbol of A under a triangular
+//! window, in single precision.
 //!
 //! The window lets the kernel end smoothly within the grid. Its transform is positive (Fejér), and
 //! so is the transform of A. The symbol is their convolution and thus positive too. Without the
@@ -12,7 +12,9 @@ use numerics::vector::unit_of;
 #[derive(Debug)]
 pub(super) struct Preconditioner {
     convolution: Convolution<f32>,
+    /// Transform of the inverse, over the unit below.
     inverse: EvenSpectrum<f32>,
+    unit: f64,
     field: Vec<f32>,
     image: Vec<f32>,
 }
@@ -31,7 +33,9 @@ impl Preconditioner {
     pub(super) fn of(convolution: Convolution<f32>, inverse: &EvenSpectrum) -> Self {
         let (nx, ny) = convolution.shape();
         let zeros = || vec![0.0; nx * ny];
-        Self { convolution, inverse: inverse.rounded(1.0), field: zeros(), image: zeros() }
+        let unit = inverse.unit();
+        let inverse = inverse.rounded(unit.recip());
+        Self { convolution, inverse, unit, field: zeros(), image: zeros() }
     }
 
     /// Multiplies waves by a factor that depends on the wave of an upstream shift alone.
@@ -52,7 +56,7 @@ impl Preconditioner {
         }
         self.convolution.apply_even(&self.inverse, &self.field, &mut self.image);
         for (value, single) in output.iter_mut().zip(&self.image) {
-            *value = unit * f64::from(*single);
+            *value = unit * self.unit * f64::from(*single);
         }
     }
 }

@@ -4,23 +4,14 @@
 //! Friction that follows the slip of an element makes the size of its traction an unknown, like a
 //! yielding layer does. The derivatives of a law of friction are finite differences.
 //!
-//! *Layer.* In a shift, and in a step of transient rolling, the plastic shift κ' before the step is known.
-//! In steady rolling it is the shift that a particle has accumulated since the leading edge, Σ λ of
-//! the elements upstream in its row. The bound of an element then also depends on the slip of the
-//! elements ahead.
+//! *Layer.* In a shift, and in a step of transient rolling, the plastic shift κ' before the step is
+//! known. In steady rolling it is the shift that a particle has accumulated since the leading edge,
+//! Σ λ of the elements upstream in its row. The bound of an element then also depends on the slip
+//! of the elements ahead.
 
 use super::problem::Problem;
 use super::state::{ElementState, TangentialState};
-use crate::yielding::{SliderState, Yield};
-
-/// Layer that yields.
-#[derive(Clone, Copy, Debug)]
-pub struct Layer<'a> {
-    /// Law of the yield stress.
-    pub law: Yield,
-    /// Plastic shift κ' of every element before the step [m]; `None` in steady rolling.
-    pub before: Option<&'a [f64]>,
-}
+use crate::yielding::SliderState;
 
 /// Limits the tractions after a step to friction and the layer, row by row from the leading edge,
 /// where sizes of tractions follow the slip. Elements of adhesion beyond their bound begin to slip;

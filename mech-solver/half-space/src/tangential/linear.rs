@@ -288,8 +288,8 @@ impl System<'_> {
             product.try_inverse().filter(|inverse| inverse.iter().all(|value| value.is_finite()));
     }
 
-    /// Adds the change of the bounds in the slip area, with this derivative to the creepage in place
-    /// `at`, to the column W. Returns the change of the forces D by it.
+    /// Adds the change of the bounds in the slip area, with this derivative to the creepage in
+    /// place `at`, to the column W. Returns the change of the forces D by it.
     fn follow_bounds(&mut self, problem: &Problem, derivative: &[f64], at: usize) -> Vector3<f64> {
         let unknowns = self.unknowns;
         let own = self.operator.self_influence();

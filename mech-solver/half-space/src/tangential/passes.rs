@@ -7,9 +7,8 @@
 //! contact. The method therefore suits layers that soften, whose |k| A is below one unless the
 //! contact itself is unstable.
 
-use super::bounds::Layer;
 use super::newton::{Effort, NotConverged, TangentialSolver};
-use super::problem::Problem;
+use super::problem::{Layer, Problem};
 use super::state::TangentialState;
 
 /// Limit of passes: thirty reach the smallest tolerance if each leaves half of a change.

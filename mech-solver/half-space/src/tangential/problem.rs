@@ -1,8 +1,8 @@
 //! The tangential problem on one grid, and its prescribed quantities.
 
 use super::bound_law::BoundLaw;
-use super::bounds::Layer;
 use super::state::{Creepage, TangentialState};
+use crate::yielding::Yield;
 
 /// Prescribed force for some components, prescribed creepage for the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +32,15 @@ impl PrescribedMotion {
     pub fn has_force(&self) -> bool {
         self.force.iter().any(Option::is_some)
     }
+}
+
+/// Layer that yields.
+#[derive(Clone, Copy, Debug)]
+pub struct Layer<'a> {
+    /// Law of the yield stress.
+    pub law: Yield,
+    /// Plastic shift κ' of every element before the step [m]; `None` in steady rolling.
+    pub before: Option<&'a [f64]>,
 }
 
 /// The problem on one grid of nx × ny elements.

@@ -326,7 +326,12 @@ impl ContactSolver {
         self.set_friction(case, inputs, before.unwrap_or(driven.at(0.0).creepage))?;
         let follows = FollowingFriction { case, inputs, arguments };
         let solved = self.solve_under(driven, Some(&follows), near, history);
-        let solution = solved.map_err(|error| follows.refusal(error))?;
+        let solution = solved.map_err(|error| match &error {
+            ContactError::Tangential(TangentialError::NotConverged(found)) => {
+                follows.refusal(found)
+            }
+            _ => StepError::NoSolution(error.to_string()),
+        })?;
         if let Some(velocity) = &mut self.velocity {
             *velocity = slip_velocities(&solution.state, duration);
         }

@@ -1,13 +1,11 @@
 //! Friction of the elements of a contact, at the latest creepages and slips.
 
 use super::case::Case;
-use super::contact::ContactError;
 use crate::terms::friction::{FrictionState, lateral};
 use elastic::slip::RigidSlip;
 use half_space::aligned::AlignedGrid;
 use half_space::friction::ElementFriction;
-use half_space::grid_continuation::TangentialError;
-use half_space::tangential::{Arguments, BoundLaw, Creepage};
+use half_space::tangential::{Arguments, BoundLaw, Creepage, NotConverged};
 use proto::model::{Inputs, StepError};
 
 /// Conditions under which friction is evaluated, apart from creepages and slips.
@@ -52,11 +50,8 @@ pub(super) struct FollowingFriction<'a> {
 }
 
 impl FollowingFriction<'_> {
-    /// Error of a solve that did not find a solution.
-    pub(super) fn refusal(&self, error: ContactError) -> StepError {
-        let ContactError::Tangential(TangentialError::NotConverged(found)) = &error else {
-            return StepError::NoSolution(error.to_string());
-        };
+    /// Error of a solve that did not converge.
+    pub(super) fn refusal(&self, found: &NotConverged) -> StepError {
         StepError::NoSolution(match self.arguments.slip {
             true => format!(
                 "friction that depends on the slip of each element was not found: {found}; let \

@@ -57,9 +57,9 @@ const NARROWER: f64 = 3.0;
 const PATCH_SHARE: f64 = 0.01;
 /// Default number of rows across half of the narrowest patch.
 const LEAST_ROWS: f64 = 5.0;
-/// Ratio b/a of the semi-axes below which an ellipse is narrow. With a difference of second order it
-/// has as many rows per semi-axis b as there are elements in this share of a. On square elements its
-/// rows make most of the error, which hardly falls with n.
+/// Ratio b/a of the semi-axes below which an ellipse is narrow. With a difference of second order
+/// it has as many rows per semi-axis b as there are elements in this share of a. On square elements
+/// its rows make most of the error, which hardly falls with n.
 const NARROW: f64 = 0.5;
 /// Maximum number of elements up to which the grid is refined automatically for its narrowest
 /// patch.
