@@ -19,7 +19,7 @@ struct Shape {
 }
 
 const SHAPES: [Shape; 3] = [
-    Shape { crown: 0.0395, ratio: 0.2, sizes: [2.264, 3.404], forces: 0.25, rise: 2.5 },
+    Shape { crown: 0.0395, ratio: 0.2, sizes: [2.264, 3.404], forces: 0.27, rise: 2.5 },
     Shape { crown: 0.3, ratio: 0.75, sizes: [1.0, 1.0], forces: 0.07, rise: 0.65 },
     Shape { crown: 2.35, ratio: 3.0, sizes: [0.536, 0.393], forces: 0.04, rise: 1.7 },
 ];
